@@ -15,12 +15,12 @@
 namespace kinloop {
 
 void start_batch(std::vector<std::string> words) {
-  const auto program = std::filesystem::read_symlink("/proc/self/exe");
-  words.insert(words.begin(), {"python3", python_file("batch").string()});
+  words.insert(words.begin(), {"python3", python_file("batch/__main__.py").parent_path().string()});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  setenv("KINLOOP_PROGRAM", program.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): no other thread is running
+  setenv("KINLOOP_PROGRAM", own_program().c_str(),
+         1);  // NOLINT(concurrency-mt-unsafe): no other thread is running
   execvp(arguments.front(), arguments.data());
   throw InputError(
       "kinloop batch needs Python 3.9 or newer, and there is no python3: apt install python3 python3-yaml");

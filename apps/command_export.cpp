@@ -217,6 +217,18 @@ void check(const ExportArguments& arguments) {
   if (!arguments.rrd.empty()) require_rerun();
 }
 
+/// Writes what shows the images of the map, and more of its recording.
+void write_images(const ExportArguments& a, OpenMap& open, const Progress& progress) {
+  const bool with_cloud = !a.rrd.empty() || a.points > 0;
+  const FileCloud file = file_cloud({a.frame, a.session, a.threads, with_cloud}, open, progress);
+  if (!a.rrd.empty())
+    export_rerun(a.rrd, {a.map, a.session, a.threads, a.images, a.recording}, file, open, progress);
+  if (!a.folders().empty())
+    export_sparse_model(
+        {a.map, a.colmap, a.nerfstudio, a.session, a.threads, a.images, a.points, a.recording}, file, open,
+        progress);
+}
+
 void run_export(const ExportArguments& arguments) {
   check(arguments);
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
@@ -231,18 +243,8 @@ void run_export(const ExportArguments& arguments) {
     export_map_recording({arguments.mcap, arguments.frame, arguments.session, arguments.threads}, open,
                          progress);
   }
-  if (!arguments.rrd.empty()) {  // it adds images to the map, as does the next
-    export_rerun(arguments.rrd,
-                 {arguments.map, arguments.frame, arguments.session, arguments.threads, arguments.images,
-                  arguments.recording},
-                 open, progress);
-  }
-  if (!arguments.folders().empty()) {
-    export_sparse_model(
-        {arguments.map, arguments.colmap, arguments.nerfstudio, arguments.frame, arguments.session,
-         arguments.threads, arguments.images, arguments.points, arguments.recording},
-        open, progress);
-  }
+  if (!arguments.rrd.empty() || !arguments.folders().empty())
+    write_images(arguments, open, progress);  // last: it adds images to the map
   if (arguments.quiet) return;
   // One of the files may be standard output.
   const auto files = arguments.files();

@@ -19,7 +19,7 @@ std::vector<FrameImage> model_views(const OpenMap& open, const std::vector<Posed
   std::vector<FrameImage> with_frames;
   for (const PosedImage& view : views) {
     const FrameId frame = open.recorder.frame_of_image(view.image);
-    with_frames.push_back({frame, view, stamp_of[frame]});
+    with_frames.push_back({frame, view, stamp_of.at(frame)});
   }
   return with_frames;
 }
@@ -34,17 +34,14 @@ ImageUndistorter make_undistorter(const OpenMap& open, const std::filesystem::pa
 
 }  // namespace
 
-void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const Progress& progress) {
+void export_sparse_model(const SparseModelRequest& request, const FileCloud& file, OpenMap& open,
+                         const Progress& progress) {
   const ImageUndistorter undistorter = make_undistorter(open, request.map);
-  const FileFrame frame = file_frame(request.frame, open.up(request.session), open.views(request.session));
-  // The cloud before there are more images: it is that of --cloud.
-  const ColoredCloud cloud =
-      request.points > 0 ? open.cloud(request.session, request.threads, progress) : ColoredCloud();
   add_recorded_images(open, {request.map, request.recording, request.session, request.images}, progress);
   const auto views = open.views(request.session);
-  SparseModel model = make_sparse_model(open.map, model_views(open, views), undistorter, frame);
+  SparseModel model = make_sparse_model(open.map, model_views(open, views), undistorter, file.frame);
   require_images(model.images.size(), request.map);
-  add_cloud_points(model, cloud, request.points);
+  add_cloud_points(model, file.cloud, request.points);
   const bool same_folder = request.colmap == request.nerfstudio;
   const auto write_images = [&](const std::filesystem::path& folder, bool depth) {
     write_model_images(folder, model, open.recorder.images(), undistorter, {depth, request.threads},

@@ -12,7 +12,6 @@ namespace kinloop {
 struct SparseModelRequest {
   std::filesystem::path map;  ///< named in errors
   std::filesystem::path colmap, nerfstudio;
-  std::string frame;
   size_t session = 0;
   int threads = 1;
   size_t images = 0;      ///< at least so many, from the recording if the map has fewer; 0: those of the map
@@ -20,8 +19,10 @@ struct SparseModelRequest {
   std::string recording;  ///< empty: as the map names it
 };
 
-/// Writes images and model into the folders. Throws InputError if the map has no images with known poses, or
+/// Writes images and model into the folders, in the frame of `file` and with points of its cloud. Adds images
+/// of the recording to the map. Throws InputError if the map has no images with known poses, or
 /// as `add_recorded_images` does.
-void export_sparse_model(const SparseModelRequest& request, OpenMap& open, const Progress& progress);
+void export_sparse_model(const SparseModelRequest& request, const FileCloud& file, OpenMap& open,
+                         const Progress& progress);
 
 }  // namespace kinloop

@@ -146,6 +146,12 @@ FileFrame file_frame(const std::string& name, const UpEstimate& up, std::span<co
   return z_up_frame(up.direction, views.empty() ? SE3() : views.front().T_world_camera);
 }
 
+FileCloud file_cloud(const FileCloudRequest& request, OpenMap& open, const Progress& progress) {
+  FileCloud result{file_frame(request.frame, open.up(request.session), open.views(request.session)), {}};
+  if (request.with_cloud) result.cloud = open.cloud(request.session, request.threads, progress);
+  return result;
+}
+
 OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,
                  const std::filesystem::path& poses) {
   const auto path = map_file_of(file_or_folder);

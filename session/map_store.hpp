@@ -115,6 +115,22 @@ struct OpenMap {
 /// Returns the file frame selected by `--frame`: z-up, or camera. `views` are those of the map.
 FileFrame file_frame(const std::string& name, const UpEstimate& up, std::span<const PosedImage> views);
 
+/// The frame of a session's files, and its cloud.
+struct FileCloud {
+  FileFrame frame;
+  ColoredCloud cloud;
+};
+
+struct FileCloudRequest {
+  std::string frame;  ///< z-up or camera
+  size_t session = 0;
+  int threads = 1;
+  bool with_cloud = true;  ///< else it stays empty
+};
+
+/// Returns those of the images that the map holds: called before `add_recorded_images`, those of --cloud.
+FileCloud file_cloud(const FileCloudRequest& request, OpenMap& open, const Progress& progress);
+
 /// Opens a map file, or that of a run's folder, with its images; `assignments` override its options, and
 /// `poses`, unless empty, names a file of poses to use instead of the map's.
 OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<std::string>& assignments,

@@ -32,45 +32,46 @@ json frames_json(std::span<const TrackedFrame> session) {
   return {{"stamps_ns", stamps_ns}, {"located", located}, {"doubtful", doubtful}};
 }
 
-/// The stamps of the two keyframes of each loop closure.
-json loop_stamps_json(const Map& map) {
+json position_json(const Keyframe& keyframe) {
+  const Eigen::Vector3d& p = keyframe.T_world_camera.translation;
+  return {p.x(), p.y(), p.z()};
+}
+
+/// The positions of the two keyframes of each loop closure within the component. Stamps would not tell two
+/// sessions of one recording apart.
+json loops_json(const Map& map, uint32_t component) {
   json loops = json::array();
-  for (const LoopClosure& loop : map.loop_closures())
-    loops.push_back({map.keyframe(loop.a).stamp_ns, map.keyframe(loop.b).stamp_ns});
+  for (const LoopClosure& loop : map.loop_closures()) {
+    const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
+    if (a.component == component && b.component == component)
+      loops.push_back({position_json(a), position_json(b)});
+  }
   return loops;
 }
 
 }  // namespace
 
-void write_rerun_parts(const std::filesystem::path& folder, const RerunRequest& request, OpenMap& open,
-                       const Progress& progress) {
-  const auto views = open.views(request.session);
-  require_images(views.size(), request.map);
-  const FileFrame frame = file_frame(request.frame, open.up(request.session), views);
+void write_rerun_parts(const std::filesystem::path& folder, const RerunRequest& request,
+                       const FileCloud& file, OpenMap& open, const Progress& progress) {
+  require_images(open.views(request.session).size(), request.map);
+  const uint32_t component = open.component(request.session);
   const auto session = open.session_log(request.session);
+  // Map files do not keep covariances; the folder of a run has the uncertainty of each frame.
+  const auto frame_table = std::filesystem::absolute(map_file_of(request.map)).parent_path() / "frames.txt";
   const json run = {
       {"name", open.saved.sessions.empty() ? request.map.string()
                                            : open.saved.sessions[open.session_index(request.session)].input},
-      {"frame", to_json(frame)},
+      {"frame", to_json(file.frame)},
       {"trajectory", poses_json(open.poses.empty() ? trajectory_of(session, open.map) : open.poses)},
-      {"keyframes", poses_json(keyframe_trajectory(open.map, open.component(request.session)))},
+      {"keyframes", poses_json(keyframe_trajectory(open.map, component))},
       {"frames", frames_json(session)},
-      {"loops", loop_stamps_json(open.map)}};
+      {"frame_table", std::filesystem::exists(frame_table) ? frame_table.string() : ""},
+      {"loops", loops_json(open.map, component)}};
   write_file(folder / "run.json", json_text(run));
-  // Map files do not keep covariances; the folder of a run has the uncertainty of each frame.
-  const auto frame_table = map_file_of(request.map).parent_path() / "frames.txt";
-  if (std::filesystem::exists(frame_table)) write_file(folder / "frames.txt", read_file(frame_table));
-  write_ply(folder / "cloud.ply", open.cloud(request.session, request.threads, progress), frame);
-  export_sparse_model({request.map,
-                       {},
-                       folder,
-                       request.frame,
-                       request.session,
-                       request.threads,
-                       request.images,
-                       0,
-                       request.recording},
-                      open, progress);  // last: it adds images to the map
+  write_ply(folder / "cloud.ply", file.cloud, file.frame);
+  export_sparse_model(
+      {request.map, {}, folder, request.session, request.threads, request.images, 0, request.recording}, file,
+      open, progress);  // last: it adds images to the map
 }
 
 }  // namespace kinloop

@@ -11,7 +11,6 @@ namespace kinloop {
 
 struct RerunRequest {
   std::filesystem::path map;  ///< named in errors
-  std::string frame;          ///< of the cloud: z-up or camera
   size_t session = 0;
   int threads = 1;
   size_t images = 0;      ///< as of SparseModelRequest
@@ -19,8 +18,9 @@ struct RerunRequest {
 };
 
 /// Writes `cloud.ply`, images with their poses (`transforms.json`), and `run.json`: poses and status of the
-/// frames of the session, keyframes and loop closures. Throws InputError as `export_sparse_model` does.
-void write_rerun_parts(const std::filesystem::path& folder, const RerunRequest& request, OpenMap& open,
-                       const Progress& progress);
+/// frames of the session, keyframes and loop closures; `file` has the cloud and its frame. Throws InputError
+/// as `export_sparse_model` does.
+void write_rerun_parts(const std::filesystem::path& folder, const RerunRequest& request,
+                       const FileCloud& file, OpenMap& open, const Progress& progress);
 
 }  // namespace kinloop

@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "apps/shared/python_files.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 
@@ -26,11 +26,6 @@ std::string quoted(const std::string& word) {
     inner.push_back(c);
   }
   return fmt::format("'{}'", inner);
-}
-
-/// The file of this process; a shell that it starts has another /proc/self.
-std::string own_program() {
-  return quoted(std::filesystem::read_symlink("/proc/self/exe").string());
 }
 
 std::string joined(const std::string& program, const std::vector<std::string>& words) {
@@ -57,7 +52,7 @@ std::string run_program(Chapter& chapter, const std::vector<std::string>& words)
   const std::string shown = joined("kinloop", words);
   log::info("{}", shown);
   chapter.commands.push_back(shown);
-  FILE* pipe = popen(joined(own_program(), words).c_str(), "r");
+  FILE* pipe = popen(joined(quoted(own_program().string()), words).c_str(), "r");
   if (pipe == nullptr) throw InputError("cannot start a process");
   std::string output;
   std::array<char, 4096> block{};

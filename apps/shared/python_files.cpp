@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cerrno>
+#include <sstream>
+#include <string_view>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 #include <unistd.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 
 namespace kinloop {
 namespace {
@@ -52,14 +55,24 @@ ProcessEnd run_process(const std::vector<char*>& arguments) {
   return end;
 }
 
+/// Shows the warnings among the lines that a script printed.
+void show_warnings(std::istringstream printed) {
+  constexpr std::string_view kWarning = "warning: ";
+  for (std::string line; std::getline(printed, line);)
+    if (line.starts_with(kWarning)) log::warn("{}", line.substr(kWarning.size()));
+}
+
 }  // namespace
 
+std::filesystem::path own_program() {
+  return std::filesystem::read_symlink("/proc/self/exe");
+}
+
 std::filesystem::path python_file(const std::string& name) {
-  const auto program = std::filesystem::read_symlink("/proc/self/exe");
-  auto file = program.parent_path().parent_path() / "share/kinloop" / name;
+  auto file = own_program().parent_path().parent_path() / "share/kinloop" / name;
   if (!std::filesystem::exists(file)) {
-    throw InputError(fmt::format("{}: is not installed there; install kinloop again, with its folder share",
-                                 file.string()));
+    throw InputError(
+        fmt::format("{}: not found; install kinloop again, with its folder share/kinloop", file.string()));
   }
   return file;
 }
@@ -70,7 +83,9 @@ void run_python(const std::filesystem::path& script, std::vector<std::string> wo
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const auto [status, printed] = run_process(arguments);
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return show_warnings(std::istringstream(printed));
+  if (WIFSIGNALED(status))
+    throw InputError(fmt::format("{}: ended by signal {}", script.string(), WTERMSIG(status)));
   // The last line of a traceback says what went wrong.
   const size_t end = printed.find_last_not_of('\n');
   if (end == std::string::npos) throw InputError(fmt::format("{}: failed", script.string()));

@@ -5,6 +5,7 @@
 #include "apps/shared/python_files.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/anonymous_temp_file.hpp"
+#include "kinloop/core/files/output_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -39,11 +40,14 @@ void require_rerun() {
   run_python(python_file(kScript), {});
 }
 
-void export_rerun(const std::filesystem::path& file, const RerunRequest& request, OpenMap& open,
-                  const Progress& progress) {
+void export_rerun(const std::filesystem::path& file, const RerunRequest& request, const FileCloud& cloud,
+                  OpenMap& open, const Progress& progress) {
   const PartsFolder parts;
-  write_rerun_parts(parts.path(), request, open, progress);
-  run_python(python_file(kScript), {parts.path().string(), std::filesystem::absolute(file).string()});
+  write_rerun_parts(parts.path(), request, cloud, open, progress);
+  OutputFile out(file);
+  run_python(python_file(kScript),
+             {parts.path().string(), std::filesystem::absolute(out.temporary()).string()});
+  out.commit();
 }
 
 }  // namespace kinloop

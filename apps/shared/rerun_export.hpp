@@ -11,7 +11,7 @@ namespace kinloop {
 void require_rerun();
 
 /// Writes FILE.rrd, atomically. Throws InputError on failure.
-void export_rerun(const std::filesystem::path& file, const RerunRequest& request, OpenMap& open,
-                  const Progress& progress);
+void export_rerun(const std::filesystem::path& file, const RerunRequest& request, const FileCloud& cloud,
+                  OpenMap& open, const Progress& progress);
 
 }  // namespace kinloop

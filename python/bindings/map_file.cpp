@@ -78,9 +78,11 @@ void export_model(PyMap& map, const std::filesystem::path& colmap, const std::fi
   }
   PythonProgress progress{py::none()};
   use(map, [&](OpenMap& open) {
-    export_sparse_model({map.path, colmap, nerfstudio, "z-up", 0, hardware_threads(), options.images,
-                         options.points, options.recording},
-                        open, progress.function());
+    const FileCloud file =
+        file_cloud({"z-up", 0, hardware_threads(), options.points > 0}, open, progress.function());
+    export_sparse_model({map.path, colmap, nerfstudio, 0, hardware_threads(), options.images, options.points,
+                         options.recording},
+                        file, open, progress.function());
   });
   progress.rethrow();
 }
@@ -89,7 +91,8 @@ void write_parts(PyMap& map, const std::filesystem::path& folder, size_t images,
                  const std::string& recording) {
   PythonProgress progress{py::none()};
   use(map, [&](OpenMap& open) {
-    write_rerun_parts(folder, {map.path, "z-up", 0, hardware_threads(), images, recording}, open,
+    const FileCloud file = file_cloud({"z-up", 0, hardware_threads()}, open, progress.function());
+    write_rerun_parts(folder, {map.path, 0, hardware_threads(), images, recording}, file, open,
                       progress.function());
   });
   progress.rethrow();

@@ -7,9 +7,11 @@ import json
 import os
 import sys
 import tempfile
+from decimal import Decimal
 from pathlib import Path
 
 MISSING = "a recording for Rerun needs the Python package rerun-sdk; install it: pip install rerun-sdk"
+WARNING = "warning: "  # apps/shared/python_files.cpp shows such lines
 LOST, DOUBTFUL, TRACKED = range(3)
 TRACKED_COLOR, KEYFRAME_COLOR, LOOP_COLOR = [90, 160, 250], [250, 200, 60], [240, 70, 70]
 
@@ -20,7 +22,9 @@ def import_rerun():
         import rerun
         import rerun.blueprint
     except ImportError as error:
-        raise ImportError(MISSING) from error
+        raise ImportError(f"{MISSING} ({error})") from error
+    if not hasattr(rerun, "EncodedDepthImage"):
+        raise ImportError("rerun-sdk is too old; pip install --upgrade rerun-sdk")
     return rerun, rerun.blueprint
 
 
@@ -36,38 +40,40 @@ def read_ply(path):
 
 
 def write_rrd(parts, file):
-    """Writes `file` from the folder `parts`; replaces it only when all is written.
+    """Writes `file` from the folder `parts`; an error leaves an incomplete file.
 
-    Raises ImportError without rerun-sdk, OSError, and ValueError for a damaged frames.txt.
+    Raises ImportError without rerun-sdk, and OSError.
     """
     rerun, blueprint = import_rerun()
     parts, file = Path(parts), Path(file)
     run = json.loads((parts / "run.json").read_text(encoding="utf-8"))
     recording = rerun.RecordingStream("kinloop")
-    unfinished = file.with_name(file.name + ".part")
-    recording.save(unfinished, default_blueprint=_views(blueprint))
+    recording.save(file, default_blueprint=_views(blueprint))
     recording.send_recording_name(run["name"])
     _log_frames(rerun, recording, run["frame"])
     _log_poses(rerun, recording, run)
     _log_status(rerun, recording, run["frames"])
-    if (parts / "frames.txt").exists():
-        _log_sigma(rerun, recording, parts / "frames.txt", set(run["frames"]["stamps_ns"]))
+    if run["frame_table"]:
+        _log_sigma(rerun, recording, Path(run["frame_table"]), set(run["frames"]["stamps_ns"]))
     _log_images(rerun, recording, parts, set(run["trajectory"]["stamps_ns"]))
     points, colors = read_ply(parts / "cloud.ply")
     recording.log("world/cloud", rerun.Points3D(points, colors=colors), static=True)
     recording.disconnect()
-    os.replace(unfinished, file)
 
 
 def map_export_rerun(map, file, *, images=0, recording=""):
     """Writes the last recording of the map as FILE.rrd for Rerun: poses, images, status, cloud. Requires rerun-sdk.
 
-    `images`: at least so many, of which those that the map lacks are read from its recording. Raises InputError.
+    `images`: at least so many, of which those that the map lacks are read from its recording. Raises ImportError
+    without rerun-sdk, OSError if `file` cannot be written, and InputError if the map or its recording lacks images.
     """
     import_rerun()
-    with tempfile.TemporaryDirectory(prefix="kinloop_rerun_") as parts:
-        map._write_rerun_parts(parts, images, recording)
-        write_rrd(parts, file)
+    file = Path(file).resolve()
+    with tempfile.TemporaryDirectory(prefix=".kinloop_rerun_", dir=file.parent) as unfinished:
+        with tempfile.TemporaryDirectory(prefix="kinloop_rerun_") as parts:
+            map._write_rerun_parts(parts, images, recording)
+            write_rrd(parts, Path(unfinished) / "run.rrd")
+        os.replace(Path(unfinished) / "run.rrd", file)
 
 
 def _views(rrb):
@@ -111,9 +117,7 @@ def _log_poses(rerun, recording, run):
     keyframes = np.array(run["keyframes"]["poses"], float).reshape(-1, 7)[:, :3]
     points = rerun.Points3D(keyframes, colors=[KEYFRAME_COLOR], radii=rerun.Radius.ui_points(4))
     recording.log("world/run/keyframes", points, static=True)
-    position = dict(zip(run["keyframes"]["stamps_ns"], keyframes))
-    loops = [[position[a], position[b]] for a, b in run["loops"] if a in position and b in position]
-    recording.log("world/run/loops", rerun.LineStrips3D(loops, colors=[LOOP_COLOR]), static=True)
+    recording.log("world/run/loops", rerun.LineStrips3D(run["loops"], colors=[LOOP_COLOR]), static=True)
 
 
 def _log_status(rerun, recording, frames):
@@ -125,15 +129,29 @@ def _log_status(rerun, recording, frames):
     recording.send_columns("plots/status", _stamps(rerun, frames["stamps_ns"]), columns)
 
 
-def _log_sigma(rerun, recording, table, stamps_ns):
-    """The standard deviations of frames.txt, of the frames at these stamps and where they are known."""
+def _known_sigmas(table):
+    """The standard deviations of frames.txt by stamp in ns, where they are known. Raises ValueError."""
     known = {}
     for line in table.read_text(encoding="utf-8").splitlines():
-        stamp, *_, sigma_m = line.split() if len(line.split()) == 6 and not line.startswith("#") else ("0", "0")
-        seconds, _, fraction = stamp.partition(".")
-        stamp_ns = int(seconds) * 10**9 + int(fraction[:9].ljust(9, "0"))
-        if float(sigma_m) > 0 and stamp_ns in stamps_ns:
-            known[stamp_ns] = float(sigma_m)
+        fields = line.split()
+        if line.startswith("#") or len(fields) != 6:
+            continue
+        try:
+            stamp_ns, sigma_m = int(Decimal(fields[0]) * 10**9), float(fields[5])
+        except ArithmeticError as error:
+            raise ValueError(f"{fields[0]} is not a time stamp") from error
+        if sigma_m > 0:
+            known[stamp_ns] = sigma_m
+    return known
+
+
+def _log_sigma(rerun, recording, table, stamps_ns):
+    """The standard deviations of frames.txt, of the frames at these stamps; warns if it is another table."""
+    try:
+        known = {stamp: sigma for stamp, sigma in _known_sigmas(table).items() if stamp in stamps_ns}
+    except (OSError, ValueError) as error:
+        print(f"{WARNING}{table}: is not a table of frames, left out ({error})", file=sys.stderr)
+        return
     columns = rerun.Scalars.columns(scalars=list(known.values()))
     recording.send_columns("plots/sigma_m", _stamps(rerun, list(known)), columns)
 

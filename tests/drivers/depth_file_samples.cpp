@@ -2,6 +2,11 @@
 
 #include <stdexcept>
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfStdIO.h>
 #include <fmt/format.h>
 #include <libdeflate.h>
 #include <opencv2/imgcodecs.hpp>
@@ -112,6 +117,22 @@ std::string exr(const cv::Mat& depth) {
     content += block;
   }
   return header + table + content;
+}
+
+std::string exr_of_halves(const cv::Mat& depth, Imf::Compression compression) {
+  std::vector<half> halves(depth.begin<float>(), depth.end<float>());
+  Imf::Header header(depth.cols, depth.rows);
+  header.compression() = compression;
+  header.channels().insert("Y", Imf::Channel(Imf::HALF));
+  Imf::FrameBuffer buffer;
+  buffer.insert("Y", Imf::Slice::Make(Imf::HALF, halves.data(), header.dataWindow(), sizeof(half)));
+  Imf::StdOSStream stream;
+  {
+    Imf::OutputFile file(stream, header, 0);  // finishes the stream at its end
+    file.setFrameBuffer(buffer);
+    file.writePixels(depth.rows);
+  }
+  return stream.str();
 }
 
 std::string numpy(const cv::Mat& image) {

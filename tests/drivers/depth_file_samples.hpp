@@ -6,12 +6,16 @@
 #include <string_view>
 #include <vector>
 
+#include <ImfCompression.h>
 #include <opencv2/core/mat.hpp>
 
 namespace kinloop::test {
 
 /// A 32FC1 image as OpenEXR with one channel Z of floats, compressed by ZIP.
 std::string exr(const cv::Mat& depth);
+
+/// A 32FC1 image as OpenEXR writes it, with one channel Y of half floats.
+std::string exr_of_halves(const cv::Mat& depth, Imf::Compression compression);
 
 /// An array of NumPy of the type of the image: 16UC1, 16SC1, 32SC1, 32FC1 or 64FC1.
 std::string numpy(const cv::Mat& image);

@@ -64,14 +64,36 @@ TEST(DepthFiles, ExrIsReadAsOpenExrWritesIt) {
   }
 }
 
+TEST(DepthFiles, ExrIsReadWhereItsBlocksAreSmallerThanTheirPixels) {
+  constexpr double kLossOfDwaa = 0.02;  // of values up to 2.3
+  cv::Mat expected(64, 64, CV_32FC1);
+  for (int y = 0; y < expected.rows; ++y) {
+    for (int x = 0; x < expected.cols; ++x)
+      expected.at<float>(y, x) =
+          1.0F + static_cast<float>(x) / 64 + static_cast<float>(y) / 128;  // as halves
+  }
+  for (const auto compression : {Imf::PIZ_COMPRESSION, Imf::DWAA_COMPRESSION}) {
+    SCOPED_TRACE(compression);
+    const std::string bytes = test::exr_of_halves(expected, compression);
+    EXPECT_LT(bytes.size(), expected.total() * sizeof(uint16_t));  // else stored as they are, header and all
+    EXPECT_LE(cv::norm(decode_depth_file(bytes), expected, cv::NORM_INF),
+              compression == Imf::DWAA_COMPRESSION ? kLossOfDwaa : 0);
+  }
+}
+
 TEST(DepthFiles, TilesOfExrThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
   std::string tiled;
   for (const test::ExrSample& sample : test::exr_samples())
     if (std::string_view(sample.compression) == "ZIP_tiled") tiled = test::from_hex(sample.hex);
   const size_t tiles = tiled.find(std::string_view("tiledesc\0", 9));
   ASSERT_NE(tiles, std::string::npos);
-  tiled.replace(tiles + 9 + 4, 4, std::string_view("\x00\x00\x00\x10", 4));  // 2^28 columns
-  EXPECT_THAT(input_error([&] { decode_depth_file(tiled); }), HasSubstr("an image of 268435456 x 4 pixels"));
+  const size_t columns = tiles + 9 + 4;
+  const std::string wide = std::string(tiled).replace(columns, 4, std::string_view("\x00\x00\x00\x10", 4));
+  EXPECT_THAT(input_error([&] { decode_depth_file(wide); }), HasSubstr("an image of 268435456 x 4 pixels"));
+  // OpenEXR allocates a row of tiles as wide as the image, not as the tile.
+  const std::string high =
+      std::string(tiled).replace(columns, 8, std::string_view("\x01\0\0\0\x31\x75\0\0", 8));
+  EXPECT_THAT(input_error([&] { decode_depth_file(high); }), HasSubstr("an image of 1 x 30001 pixels"));
 }
 
 TEST(DepthFiles, ExrOfSeveralBlocksKeepsEachFloat) {

@@ -5,6 +5,7 @@ Usage: rerun_test.py KINLOOP SHARED_DATA      skipped (77) without rerun-sdk, wh
 installs. SHARED_DATA is not used.
 """
 
+import contextlib
 import io
 import json
 import os
@@ -15,6 +16,10 @@ import unittest
 from pathlib import Path
 
 from program import PROGRAM, kinloop
+
+# Without the package around it, which needs the compiled module.
+sys.path.insert(0, str(Path(__file__).parents[2] / "python/kinloop"))
+import _rerun  # noqa: E402
 
 try:
     import numpy as np
@@ -39,6 +44,11 @@ def stamps_ns(texts):
 
 def table_of(path):
     return [line.split() for line in path.read_text().splitlines() if not line.startswith("#")]
+
+
+def chunks_of(parts, file):
+    _rerun.write_rrd(parts, file)
+    return [chunk.to_record_batch() for chunk in RrdReader(file).stream().to_chunks()]
 
 
 class Rerun(unittest.TestCase):
@@ -72,6 +82,21 @@ class Rerun(unittest.TestCase):
         (_, (value,)) = self.rows(entity, component, static=True)
         return value
 
+    def write_parts(self, **changes):
+        """Writes the parts of a run without images, with one frame."""
+        self.parts = self.folder / "parts"
+        self.parts.mkdir(exist_ok=True)
+        poses = {"stamps_ns": [0], "poses": [[0, 0, 0, 0, 0, 0, 1]]}
+        run = {"name": "parts", "frame": {"frame": "camera"}, "trajectory": poses, "keyframes": poses, "loops": [],
+               "frames": {"stamps_ns": [0], "located": [True], "doubtful": [False]}, "frame_table": "", **changes}
+        (self.parts / "run.json").write_text(json.dumps(run))
+        (self.parts / "transforms.json").write_text(
+            json.dumps({"w": 4, "h": 3, "fl_x": 4, "fl_y": 4, "cx": 2, "cy": 1.5, "frames": []}))
+        properties = [f"property float {axis}" for axis in "xyz"] + \
+                     [f"property uchar {color}" for color in ("red", "green", "blue")]
+        header = "\n".join(["ply", "format binary_little_endian 1.0", "element vertex 1", *properties, "end_header\n"])
+        (self.parts / "cloud.ply").write_bytes(header.encode() + bytes(15))
+
     def test_camera_moves_along_the_trajectory(self):
         lines = table_of(self.run_folder / "trajectory.txt")
         stamps, translations = self.rows(CAMERA, "Transform3D:translation")
@@ -97,9 +122,25 @@ class Rerun(unittest.TestCase):
         expected = np.array([line[1:4] for line in table_of(self.run_folder / "keyframes.txt")], float)
         np.testing.assert_allclose(written, expected, atol=FLOAT_M)
 
-    def test_loops_join_their_keyframes(self):
-        loops = json.loads((self.run_folder / "run.json").read_text())["loops"]
-        self.assertEqual(len(self.static("/world/run/loops", "LineStrips3D:strips")), len(loops))
+    def test_loops_join_the_positions_of_the_parts(self):
+        loops = [[[0, 0, 0], [1, 0.5, 2]], [[3, 0, 0], [0, 4, 0]]]
+        self.write_parts(loops=loops)
+        self.chunks = chunks_of(self.parts, self.folder / "loops.rrd")
+        np.testing.assert_array_equal(self.static("/world/run/loops", "LineStrips3D:strips"), loops)
+
+    def test_unrelated_table_is_left_out_with_a_warning(self):
+        table = self.folder / "unrelated.txt"
+        table.write_text("a b c d e f\n")
+        self.write_parts(frame_table=str(table))
+        with contextlib.redirect_stderr(io.StringIO()) as printed:
+            self.chunks = chunks_of(self.parts, self.folder / "unrelated.rrd")
+        self.assertIn(f"warning: {table}: is not a table of frames", printed.getvalue())
+        self.assertEqual(self.rows("/plots/sigma_m", "Scalars:scalars"), [])
+
+    def test_negative_stamps_of_the_table_are_kept(self):
+        table = self.folder / "negative.txt"
+        table.write_text("# stamp\n-0.5 tracked 0 0 0 0.25\n0.5 tracked 0 0 0 0\n")
+        self.assertEqual(_rerun._known_sigmas(table), {-(10**9) // 2: 0.25})
 
     def test_uncertainty_and_status_are_those_of_frames(self):
         lines = table_of(self.run_folder / "frames.txt")
@@ -138,9 +179,14 @@ class Rerun(unittest.TestCase):
         self.assertLess(np.median(distances), MAX_MEDIAN_M)
 
     def test_missing_package_is_named_before_any_work(self):
+        programs = self.folder / "programs"
+        programs.mkdir()
+        stand_in = programs / "python3"  # without any package: -S leaves out those that are installed
+        stand_in.write_text(f'#!/bin/sh\nexec "{sys.executable}" -I -S "$@"\n')
+        stand_in.chmod(0o755)
         done = subprocess.run([PROGRAM, "export", str(self.run_folder), "--rrd", str(self.folder / "no.rrd")],
                               capture_output=True, text=True, check=False,
-                              env={**os.environ, "PATH": "/usr/bin:/bin", "PYTHONPATH": "", "PYTHONNOUSERSITE": "1"})
+                              env={**os.environ, "PATH": f"{programs}:/usr/bin:/bin"})
         self.assertEqual(done.returncode, 3)
         self.assertIn("pip install rerun-sdk", done.stderr)
         self.assertFalse((self.folder / "no.rrd").exists())

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -25,6 +26,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
+constexpr int kMostChannels = 64;
 constexpr auto kExrMagic = "\x76\x2f\x31\x01"sv;
 
 /// The bytes of a file as OpenEXR reads them.
@@ -68,6 +70,19 @@ struct ExrDepth {
   cv::Size size;
 };
 
+/// Throws before OpenEXR allocates: all channels of a tile, and a row of tiles of the image.
+void check_memory(const Imf::Header& header, cv::Size size) {
+  const Imf::ChannelList& channels = header.channels();
+  int count = 0;
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) ++count;
+  if (count > kMostChannels)
+    throw InputError(fmt::format("the EXR file has {} channels, more than {}", count, kMostChannels));
+  if (!header.hasTileDescription()) return;
+  const Imf::TileDescription& tile = header.tileDescription();
+  static_cast<void>(checked_depth_size(tile.xSize, tile.ySize));
+  static_cast<void>(checked_depth_size(static_cast<uint64_t>(size.width), tile.ySize));
+}
+
 ExrDepth exr_depth(const Imf::MultiPartInputFile& file) {
   std::optional<ExrDepth> best;
   for (int part = 0; part < file.parts(); ++part) {
@@ -79,11 +94,10 @@ ExrDepth exr_depth(const Imf::MultiPartInputFile& file) {
       best = ExrDepth{part, channel.name(), {}};
     }
   }
-  if (!best) throw InputError("the EXR file has no channel of one number a pixel");
+  if (!best) throw InputError("the EXR file has no channel that could be depth");
   const Imf::Header& header = file.header(best->part);
   best->size = checked_box_size(header.dataWindow());
-  if (header.hasTileDescription())  // before OpenEXR allocates a tile
-    static_cast<void>(checked_depth_size(header.tileDescription().xSize, header.tileDescription().ySize));
+  check_memory(header, best->size);
   return *best;
 }
 
@@ -96,6 +110,8 @@ auto read_exr(std::string_view bytes, const Use& use) {
     Imf::MultiPartInputFile file(stream, 0, repair);
     return use(file);
   } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
     throw InputError("the EXR file is damaged or truncated; copy it again");

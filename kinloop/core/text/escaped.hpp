@@ -7,8 +7,8 @@
 namespace kinloop {
 
 /// Returns the text with its control characters escaped as in C, "\x1b": those of ASCII, the ones of Unicode
-/// that terminals obey (U+0080 to U+009F) or that reverse the direction of writing (U+202E). Characters of
-/// `kept` stay as they are.
+/// that terminals obey (U+0080 to U+009F) or that reverse the direction of writing (U+202E), and all bytes
+/// that are not UTF-8. Characters of `kept` stay as they are.
 std::string escaped(std::string_view text, std::string_view kept = {});
 
 }  // namespace kinloop

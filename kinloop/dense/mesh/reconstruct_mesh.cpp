@@ -78,9 +78,8 @@ ColoredMesh simplified_as_asked(const ColoredMesh& mesh, const MeshOptions& opti
   ColoredMesh simplified = simplified_mesh(mesh, static_cast<size_t>(options.triangles));
   if (simplified.triangles.size() > static_cast<size_t>(options.triangles)) {
     log::warn(
-        "the mesh has {} triangles, more than the {} of mesh.triangles: its separate pieces have no fewer; "
-        "larger "
-        "voxels (mesh.voxel_m) give fewer pieces",
+        "the mesh has {} triangles, more than the {} of mesh.triangles: separate pieces cannot be "
+        "simplified further; larger voxels (mesh.voxel_m) give fewer pieces",
         simplified.triangles.size(), options.triangles);
   }
   return simplified;
