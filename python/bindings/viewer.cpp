@@ -9,6 +9,7 @@
 #include "python/bindings/gil.hpp"
 #include "python/bindings/map_file.hpp"
 #include "python/bindings/result.hpp"
+#include "viewer/saved_map.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
 #include "viewer/shared_page.hpp"
@@ -70,32 +71,29 @@ SavedRun shown_result(const py::object& object) {
 SavedRun shown_map(const py::object& object) {
   auto& map = object.cast<PyMap&>();
   const py::object cloud = object.attr("cloud");
-  SavedRun run;
+  SavedRun run = without_gil([&] {
+    const std::lock_guard lock(map.mutex);
+    return saved_run_of(map.open);
+  });
   run.name = map.path.string();
   run.cloud = cloud.cast<const PyCloud&>().cloud;
-  without_gil([&] {
-    const std::lock_guard lock(map.mutex);
-    run.path = trajectory_of(map.open.session_log(0), map.open.map, DoubtfulPoses::kKept);
-    run.doubt_ns = doubt_of(map.open.session_log(0));
-    for (const Keyframe& k : map.open.map.keyframes())
-      run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
-    for (const LoopClosure& loop : map.open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
-    run.metrics["landmarks"] = map.open.map.landmark_count();
-    run.up = map.open.up(0).direction;
-  });
   return run;
+}
+
+bool is_path(const py::object& what) {
+  return py::isinstance<py::str>(what) || py::hasattr(what, "__fspath__");
 }
 
 /// What `function` shows.
 SavedRun shown(const py::object& what, const char* function) {
   if (py::isinstance<Result>(what)) return shown_result(what);
   if (py::isinstance<PyMap>(what)) return shown_map(what);
-  if (!py::isinstance<py::str>(what) && !py::hasattr(what, "__fspath__"))
+  if (!is_path(what))
     throw UsageError(fmt::format(
         "{}: expected a Result, a Map, or the path of a run's folder, a map file, a cloud or a mesh",
         function));
   const auto path = what.cast<std::filesystem::path>();
-  if (path.extension() != ".kinmap") return without_gil([&] { return read_saved_run(path); });
+  if (!is_map_file(path)) return without_gil([&] { return read_saved_run(path); });
   return shown_map(
       py::cast(without_gil([&] { return std::make_shared<PyMap>(path, std::vector<std::string>()); })));
 }
