@@ -1,6 +1,5 @@
 // kinloop share: the results of a run as one page to pass on.
 
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,7 +10,6 @@
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/standard_output.hpp"
-#include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "session/map_store.hpp"
@@ -22,8 +20,6 @@ namespace kinloop {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kBytesPerMb = 1e6;
 
 struct ShareArguments {
   fs::path path;
@@ -46,7 +42,7 @@ void share(const ShareArguments& arguments) {
   const size_t all_points = run.cloud.size();
   std::vector<KeyframeImage> images;
   if (!arguments.no_images) images = keyframe_images_of(arguments.path, run.keyframes, kSharedImages);
-  SharedPageLimits limits{.bytes = static_cast<size_t>(std::lround(arguments.max_size_mb * kBytesPerMb))};
+  SharedPageLimits limits{.bytes = page_bytes("--max-size", arguments.max_size_mb)};
   if (arguments.points) limits.points = static_cast<size_t>(*arguments.points);
   const SharedPage page = make_shared_page(std::move(run), std::move(images), limits);
   write_file(arguments.output, page.html);
@@ -61,7 +57,6 @@ void share(const ShareArguments& arguments) {
 
 void add_share_command(CLI::App& app) {
   constexpr int kMostPoints = 100'000'000;
-  constexpr double kSmallestMb = 1, kLargestMb = 500;
   auto arguments = std::make_shared<ShareArguments>();
   CLI::App* command =
       app.add_subcommand("share", "Write a run's map as one HTML file that opens without kinloop");
@@ -70,13 +65,14 @@ void add_share_command(CLI::App& app) {
                    "the output folder of kinloop run -o DIR, a map file (.kinmap), a cloud (.ply, .pcd) "
                    "or\na mesh (.ply, .glb)")
       ->required();
-  command->add_option("-o,--output", arguments->output, "page to write")->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "write the page here")->capture_default_str();
   command->add_flag("--mesh", arguments->mesh,
-                    "the mesh in the folder (mesh.ply, mesh.glb) in place of the cloud; both with --points");
-  command->add_option("--points", arguments->points, "at most so many points (default: as many as fit)")
+                    "the mesh in the folder (mesh.ply, mesh.glb) in place of the cloud; with --points, both");
+  command
+      ->add_option("--points", arguments->points, "keep at most this many points (default: as many as fit)")
       ->check(whole_number(0, kMostPoints));
   command->add_option("--max-size", arguments->max_size_mb, "largest size of the page, MB")
-      ->check(number(kSmallestMb, kLargestMb))
+      ->check(number(kSmallestPageMb, kLargestPageMb))
       ->capture_default_str();
   command->add_flag("--no-images", arguments->no_images, "leave out the images of keyframes");
   add_quiet_option(*command, arguments->quiet);

@@ -28,8 +28,8 @@ std::vector<KeyframeImage> read_keyframe_images(const std::filesystem::path& map
                                                 const Trajectory& keyframes,
                                                 const KeyframeImageOptions& options = {});
 
-/// Reads those of what is shown: a map file, or the folder of a run that may hold one. None, with a warning,
-/// if the map is damaged: all else can be shown.
+/// Reads the images of a map file, or of a run's folder that may hold one. None, with a warning, if the map
+/// is damaged: all else can be shown.
 std::vector<KeyframeImage> keyframe_images_of(const std::filesystem::path& shown, const Trajectory& keyframes,
                                               const KeyframeImageOptions& options = {});
 

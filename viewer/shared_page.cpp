@@ -1,6 +1,7 @@
 #include "viewer/shared_page.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -47,11 +48,11 @@ std::string page_of(const SavedRun& run, const std::vector<KeyframeImage>& image
   return page.insert(slot, kPolicy);
 }
 
-/// Keeps every n-th image, so that all take at most so many bytes.
+/// Keeps every n-th image, so that all messages take at most so many bytes.
 void thin(std::vector<KeyframeImage>& images, size_t max_bytes) {
   const auto bytes_of_every = [&](size_t n) {
     size_t bytes = 0;
-    for (size_t i = 0; i < images.size(); i += n) bytes += images[i].jpeg.size();
+    for (size_t i = 0; i < images.size(); i += n) bytes += kHeaderBytes + images[i].jpeg.size();
     return bytes;
   };
   size_t every = 1;
@@ -70,14 +71,27 @@ ColoredCloud first_points(const ColoredCloud& cloud, size_t count) {
   return first;
 }
 
+std::string missing_mesh(const SavedRun& run, const std::filesystem::path& path) {
+  std::error_code unreadable;
+  if (std::filesystem::is_directory(path, unreadable))
+    return fmt::format("{0}: has no mesh; make one with: kinloop mesh {0} -o {1}", path.string(),
+                       (path / "mesh.ply").string());
+  return fmt::format("{}: has no mesh; share the folder of a run with mesh.ply, or a mesh file",
+                     path.empty() ? run.name : path.string());
+}
+
 }  // namespace
+
+size_t page_bytes(const char* option, double max_size_mb) {
+  if (!(max_size_mb >= kSmallestPageMb && max_size_mb <= kLargestPageMb))
+    throw UsageError(
+        fmt::format("{} is {}; expected {} to {}", option, max_size_mb, kSmallestPageMb, kLargestPageMb));
+  return static_cast<size_t>(std::lround(max_size_mb * kBytesPerMb));
+}
 
 void select_contents(SavedRun& run, bool mesh, bool cloud_too, const std::filesystem::path& path) {
   const bool has_mesh = !run.mesh.triangles.empty() || !run.model.empty();
-  if (mesh && !has_mesh) {
-    throw InputError(fmt::format("{0}: has no mesh; make one with: kinloop mesh {0} -o {1}", path.string(),
-                                 (path / "mesh.ply").string()));
-  }
+  if (mesh && !has_mesh) throw InputError(missing_mesh(run, path));
   if (mesh && !cloud_too) run.cloud = {};
   if (!mesh && run.cloud.size() > 0) {
     run.mesh = {};
@@ -86,21 +100,21 @@ void select_contents(SavedRun& run, bool mesh, bool cloud_too, const std::filesy
 }
 
 SharedPage make_shared_page(SavedRun run, std::vector<KeyframeImage> images, const SharedPageLimits& limits) {
-  constexpr size_t kShareOfImages = 4;    // a quarter of the page
+  constexpr size_t kShareOfImages = 4;    // a quarter of what cloud and images may take
   constexpr size_t kLeastPointBytes = 4;  // a point takes more, so that more points do not fit
   constexpr double kMargin = 0.98;        // the size is almost linear in the number of points
-  thin(images, limits.bytes / kShareOfImages);
   const ColoredCloud cloud = shuffled(run.cloud);
   run.cloud = {};
-  const size_t bytes_without_points = page_of(run, images).size();
-  if (bytes_without_points > limits.bytes) {
-    constexpr double kBytesPerMb = 1e6;
-    throw InputError(fmt::format(
-        "{}: the page has {:.1f} MB without the cloud, of at most {:.1f} MB; raise --max-size, leave out the "
-        "images (--no-images), or simplify the mesh (kinloop mesh --triangles N)",
-        run.name, static_cast<double>(bytes_without_points) / kBytesPerMb,
-        static_cast<double>(limits.bytes) / kBytesPerMb));
+  const size_t least_bytes = page_of(run, {}).size();
+  if (least_bytes > limits.bytes) {
+    throw InputError(
+        fmt::format("{}: the page has {:.1f} MB without the cloud and the images, of at most {:.1f} MB; "
+                    "raise --max-size or simplify the mesh (kinloop mesh --triangles N)",
+                    run.name, static_cast<double>(least_bytes) / kBytesPerMb,
+                    static_cast<double>(limits.bytes) / kBytesPerMb));
   }
+  thin(images, (limits.bytes - least_bytes) / kShareOfImages * 3 / 4);  // base64 makes 4 bytes of 3
+  const size_t bytes_without_points = page_of(run, images).size();
   size_t points = std::min({cloud.size(), limits.points, limits.bytes / kLeastPointBytes});
   while (true) {
     run.cloud = first_points(cloud, points);

@@ -12,6 +12,9 @@
 
 namespace kinloop {
 
+constexpr double kBytesPerMb = 1e6;
+constexpr double kSmallestPageMb = 1, kLargestPageMb = 100;  ///< what may be asked for
+
 struct SharedPageLimits {
   size_t bytes = 20'000'000;                           ///< of the page
   size_t points = std::numeric_limits<size_t>::max();  ///< of the cloud
@@ -22,15 +25,19 @@ constexpr KeyframeImageOptions kSharedImages{.most = 200, .width_px = 320, .qual
 
 struct SharedPage {
   std::string html;
-  size_t points = 0, images = 0;  ///< that are in it
+  size_t points = 0, images = 0;  ///< in the page
 };
 
-/// Leaves of a run its cloud or, if `mesh`, its mesh and on request the cloud, too. Throws InputError naming
-/// `path`, where the run was read, if it has no mesh.
+/// Returns a limit in bytes. Throws UsageError naming `option` if it is out of the range above or NaN.
+size_t page_bytes(const char* option, double max_size_mb);
+
+/// Keeps the cloud of a run or, if `mesh`, its mesh, and the cloud too on request. Throws InputError naming
+/// `path`, where the run was read (empty: not from a file), if it has no mesh.
 void select_contents(SavedRun& run, bool mesh, bool cloud_too, const std::filesystem::path& path);
 
-/// Returns the page with as much of the cloud and of the images as fits; both are thinned evenly. Throws
-/// InputError if even without the cloud it is larger than the limit, or if this build has no pages.
+/// Returns the page with as much of the cloud and of the images as fits; both are thinned evenly, and the
+/// images take at most a quarter of the room for both. Throws InputError if even without both it is larger
+/// than the limit, or if this build has no pages.
 SharedPage make_shared_page(SavedRun run, std::vector<KeyframeImage> images, const SharedPageLimits& limits);
 
 }  // namespace kinloop

@@ -10,6 +10,7 @@
 #include "python/bindings/map_file.hpp"
 #include "python/bindings/options.hpp"
 #include "python/bindings/result.hpp"
+#include "viewer/saved_map.hpp"
 #include "viewer/saved_run.hpp"
 #include "viewer/server/service.hpp"
 #include "viewer/shared_page.hpp"
@@ -87,20 +88,17 @@ SavedRun shown_slam(Run& run) {
 SavedRun shown_map(const py::object& object) {
   auto& map = object.cast<PyMap&>();
   const py::object cloud = object.attr("cloud");
-  SavedRun run;
+  SavedRun run = without_gil([&] {
+    const std::lock_guard lock(map.mutex);
+    return saved_run_of(map.open);
+  });
   run.name = map.path.string();
   run.cloud = cloud.cast<const PyCloud&>().cloud;
-  without_gil([&] {
-    const std::lock_guard lock(map.mutex);
-    run.path = trajectory_of(map.open.session_log(0), map.open.map, DoubtfulPoses::kKept);
-    run.doubt_ns = doubt_of(map.open.session_log(0));
-    for (const Keyframe& k : map.open.map.keyframes())
-      run.keyframes.push_back({k.stamp_ns, k.T_world_camera});
-    for (const LoopClosure& loop : map.open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
-    run.metrics["landmarks"] = map.open.map.landmark_count();
-    run.up = map.open.up(0).direction;
-  });
   return run;
+}
+
+bool is_path(const py::object& what) {
+  return py::isinstance<py::str>(what) || py::hasattr(what, "__fspath__");
 }
 
 /// What `function` shows.
@@ -108,12 +106,12 @@ SavedRun shown(const py::object& what, const char* function) {
   if (py::isinstance<Result>(what)) return shown_result(what);
   if (py::isinstance<PyMap>(what)) return shown_map(what);
   if (py::isinstance<Run>(what)) return shown_slam(what.cast<Run&>());
-  if (!py::isinstance<py::str>(what) && !py::hasattr(what, "__fspath__"))
+  if (!is_path(what))
     throw UsageError(fmt::format(
         "{}: expected a Result, a Slam, a Map, or the path of a run's folder, a map file, a cloud or a mesh",
         function));
   const auto path = what.cast<std::filesystem::path>();
-  if (path.extension() != ".kinmap") return without_gil([&] { return read_saved_run(path); });
+  if (!is_map_file(path)) return without_gil([&] { return read_saved_run(path); });
   return shown_map(
       py::cast(without_gil([&] { return std::make_shared<PyMap>(path, std::vector<std::string>()); })));
 }
@@ -125,23 +123,22 @@ std::unique_ptr<PyViewer> view(const py::object& what, uint16_t port) {
 
 /// Where `what` was read; empty for a run in memory.
 std::filesystem::path path_of(const py::object& what) {
-  if (py::isinstance<Result>(what)) return {};
   if (py::isinstance<PyMap>(what)) return what.cast<const PyMap&>().path;
-  return what.cast<std::filesystem::path>();
+  return is_path(what) ? what.cast<std::filesystem::path>() : std::filesystem::path();
 }
 
 void share(const py::object& what, const std::filesystem::path& file, std::optional<size_t> points,
            double max_size_mb, bool mesh, bool images) {
-  constexpr double kBytesPerMb = 1e6, kLargestMb = 500;
-  if (!(max_size_mb > 0 && max_size_mb <= kLargestMb))
-    throw UsageError(fmt::format("share: max_size_mb is {}; expected at most {}", max_size_mb, kLargestMb));
-  SavedRun run = shown(what, "share");
+  SharedPageLimits limits{.bytes = page_bytes("share: max_size_mb", max_size_mb)};
+  if (points) limits.points = *points;
   const auto path = path_of(what);
   without_gil([&] {
+    if (!path.empty()) require_different_file("file", file, path);
     require_writable_file(file);
+  });
+  SavedRun run = shown(what, "share");
+  without_gil([&] {
     select_contents(run, mesh, points.has_value(), path);
-    SharedPageLimits limits{.bytes = static_cast<size_t>(kBytesPerMb * max_size_mb)};
-    if (points) limits.points = *points;
     std::vector<KeyframeImage> pictures;
     if (images && !path.empty()) pictures = keyframe_images_of(path, run.keyframes, kSharedImages);
     write_file(file, make_shared_page(std::move(run), std::move(pictures), limits).html);
@@ -177,9 +174,9 @@ Returns a Viewer, which serves until close() or until nothing refers to it. Othe
              py::arg("max_size_mb") = 20.0, py::arg("mesh") = false, py::arg("images") = true,
              R"(Writes a map as one HTML file that opens without kinloop.
 
-what: as for view. points: at most so many (default: as many as fit). max_size_mb: largest size of the file.
+what: as for view. points: keep at most this many (default: as many as fit). max_size_mb: largest size, 1 to 100.
 mesh: the mesh in the run's folder in place of the cloud, or with it if points is given. images: with the images
-of keyframes, which a folder or a map file has. Raises InputError if all but the cloud does not fit.)");
+of keyframes, which a folder or a map file has. Raises InputError if it is larger even without cloud and images.)");
 }
 
 }  // namespace kinloop::python

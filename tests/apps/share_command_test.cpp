@@ -10,6 +10,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kCloud =
     "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "
@@ -49,6 +50,13 @@ TEST_F(ShareCommandTest, SharesTheFolderOfARunWithItsMeshOnRequest) {
   EXPECT_THAT(share("out", "--mesh --points 1").out, HasSubstr("1 of 2 points"));
 }
 
+TEST_F(ShareCommandTest, NamesNoCommandForAFileWithoutAMesh) {
+  folder_.write("cloud.ply", kCloud);
+  const Run done = share("cloud.ply", "--mesh");
+  EXPECT_EQ(done.exit_code, kBadInput);
+  EXPECT_THAT(done.err, AllOf(HasSubstr("has no mesh; share the folder"), Not(HasSubstr("kinloop mesh"))));
+}
+
 TEST_F(ShareCommandTest, DamagedInputIsOneLineAndLeavesAnEarlierPage) {
   folder_.write("bad.ply", "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nend_header\n1\n");
   folder_.write("bad.kinmap", "nothing of the kind");
@@ -68,7 +76,7 @@ TEST_F(ShareCommandTest, DamagedInputIsOneLineAndLeavesAnEarlierPage) {
 TEST_F(ShareCommandTest, OptionsOutOfRangeAreUsageErrors) {
   folder_.write("cloud.ply", kCloud);
   for (const char* options :
-       {"--max-size 0", "--max-size nan", "--max-size 1e9", "--points -1", "--points many"}) {
+       {"--max-size 0", "--max-size nan", "--max-size 101", "--points -1", "--points many"}) {
     EXPECT_EQ(share("cloud.ply", options).exit_code, kWrongUse) << options;
     EXPECT_FALSE(has_page()) << options;
   }

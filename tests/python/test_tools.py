@@ -226,12 +226,26 @@ def test_share_writes_a_page_below_the_limit(result, program_run, tmp_path):
         kinloop.share(what, page, max_size_mb=2)
         assert 100_000 < page.stat().st_size <= 2e6
         page.unlink()
+    kinloop.share(program_run, page)
+    full_bytes = page.stat().st_size
     kinloop.share(program_run, page, points=10, images=False)
-    assert 'id="recording">' in page.read_text()
-    with pytest.raises(kinloop.InputError, match="has no mesh"):
+    assert page.stat().st_size < full_bytes
+
+
+def test_share_refuses_what_it_cannot_write(result, program_run, tmp_path):
+    page = tmp_path / "room.html"
+    with pytest.raises(kinloop.InputError, match="map.ply: has no mesh; share the folder"):
         kinloop.share(program_run / "map.ply", page, mesh=True)
-    with pytest.raises(kinloop.UsageError, match="max_size_mb"):
-        kinloop.share(program_run, page, max_size_mb=float("nan"))
+    with pytest.raises(kinloop.InputError, match="Python: has no mesh"):
+        kinloop.share(result, page, mesh=True)
+    for size_mb in (0, 101, float("nan")):
+        with pytest.raises(kinloop.UsageError, match="max_size_mb is .*; expected 1 to 100"):
+            kinloop.share(program_run, page, max_size_mb=size_mb)
+    cloud = tmp_path / "room.ply"
+    cloud.write_bytes((program_run / "map.ply").read_bytes())
+    with pytest.raises(kinloop.UsageError, match="would overwrite"):
+        kinloop.share(cloud, cloud)
+    assert cloud.read_bytes() == (program_run / "map.ply").read_bytes()
     with pytest.raises(kinloop.UsageError, match="share: expected"):
         kinloop.share(3, page)
 

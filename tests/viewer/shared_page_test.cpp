@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <libdeflate.h>
 
 #include "kinloop/core/time.hpp"
 #include "tests/support/expect_error.hpp"
+#include "tests/support/temp_folder.hpp"
 #include "viewer/server/viewer_page.hpp"
 
 namespace kinloop {
@@ -178,13 +181,29 @@ TEST_F(SharedPageTest, LeavesMostOfThePageToTheMap) {
   const auto page = make_shared_page(small_run(300'000), images(100, 10'000), {.bytes = limit});
   EXPECT_LE(page.html.size(), limit);
   EXPECT_GT(page.images, 5U);
-  EXPECT_LE(page.images * 10'000, limit / 4);
+  EXPECT_LE(page.images * 10'000 * 4 / 3, 1'000'000 / 4) << "a quarter of the room, in base64";
   EXPECT_GT(page.points, 10'000U);
   const Parts parts = parts_in(page.html);
   uint32_t last = 0;
   for (const auto& [part, body] : parts)
     if (part.first == PartKind::kKeyframeImage) last = part.second;
   EXPECT_GT(last, 80U) << "images come from the whole run";
+}
+
+TEST_F(SharedPageTest, FitsManyImagesIntoTheSmallestPage) {
+  const size_t limit = page_bytes("--max-size", kSmallestPageMb);
+  const auto page = make_shared_page(small_run(300'000), images(200, 10'000), {.bytes = limit});
+  EXPECT_LE(page.html.size(), limit);
+  EXPECT_GT(page.images, 0U);
+  EXPECT_GT(page.points, 1000U);
+}
+
+TEST_F(SharedPageTest, LeavesOutTheImagesWhereTheRestJustFits) {
+  const SavedRun run = small_run(1000);
+  const size_t rest = make_shared_page(run, {}, {.points = 0}).html.size();
+  const auto page = make_shared_page(run, images(3, 10'000), {.bytes = rest + 1000});
+  EXPECT_LE(page.html.size(), rest + 1000);
+  EXPECT_EQ(page.images, 0U);
 }
 
 TEST_F(SharedPageTest, RefusesAMeshThatDoesNotFitAndSaysWhatHelps) {
@@ -200,6 +219,27 @@ TEST_F(SharedPageTest, OfAnEmptyRunIsAPage) {
   const auto page = make_shared_page({}, {}, {});
   EXPECT_EQ(page.points, 0U);
   EXPECT_EQ(parts_in(page.html).count({PartKind::kHello, 0}), 1U);
+}
+
+TEST(PageBytes, AreThoseOfASizeWithinTheRange) {
+  EXPECT_EQ(page_bytes("max", 1), 1'000'000U);
+  EXPECT_EQ(page_bytes("max", 100), 100'000'000U);
+  for (const double size_mb : {0.0, 0.9, 100.1, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(test::usage_error([&] { page_bytes("max", size_mb); }),
+              fmt::format("max is {}; expected 1 to 100", size_mb));
+}
+
+TEST(SelectContents, SaysWhatHelpsARunWithoutAMesh) {
+  const test::TempFolder folder;
+  const auto error_at = [](const std::filesystem::path& path) {
+    SavedRun run = small_run(1);
+    run.name = "Python";
+    return test::input_error([&] { select_contents(run, true, false, path); });
+  };
+  EXPECT_THAT(error_at(folder.path()), HasSubstr("kinloop mesh " + folder.path().string() + " -o "));
+  EXPECT_EQ(error_at("room.ply"),
+            "room.ply: has no mesh; share the folder of a run with mesh.ply, or a mesh file");
+  EXPECT_THAT(error_at(""), testing::StartsWith("Python: has no mesh; share the folder"));
 }
 
 }  // namespace

@@ -29,7 +29,9 @@ export class Recording {
 
 async function unpacked(base64) {
   if (!window.DecompressionStream) throw new Error('this browser is too old; use Chrome 80, Firefox 113, Safari 16.4 or newer');
-  const archive = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+  const text = atob(base64);
+  const archive = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) archive[i] = text.charCodeAt(i);
   const stream = new Blob([archive]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Response(stream).arrayBuffer();
 }
