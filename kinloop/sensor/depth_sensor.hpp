@@ -54,7 +54,6 @@ struct DepthSensor {
   DepthNoise noise = {};  ///< on planes
   /// Depth outside this range is not used in dense maps.
   double min_depth_m = 0.4, max_depth_m = 10;
-  double typical_readout_s = 0;  ///< of the colour image, first row to last; 0 if unknown
   SensorOrigin origin = SensorOrigin::kAssumed;
 
   /// Makes this the sensor that a driver or reader knows, unless the camera file names one.
@@ -72,9 +71,6 @@ struct DepthSensor {
 ///   the focal length (424 px) times the baseline (50 mm) of a D435 of 848 x 480 pixels.
 /// - realsense_l515: Intel's data sheet: at most 2.5 mm at 1 m and 15.5 mm at 9 m.
 /// - iphone, hololens: estimates; no measured law of the depth that their software delivers is known.
-///
-/// The typical readout is 30 ms for the colour cameras with a rolling shutter that fills the time of an
-/// image. Self-calibration finds 25 to 31 ms in recordings of the Kinect 1.
 DepthSensor depth_sensor(DepthSensorModel model, SensorOrigin origin);
 
 }  // namespace kinloop

@@ -22,8 +22,7 @@ RgbdCamera calibrated_camera(const RgbdCamera& camera, const SensorEstimate& est
   const bool lens_found = std::any_of(estimate.used.begin(), estimate.used.begin() + kRollingShutter,
                                       [](bool used) { return used; });
   if (lens_found) calibrated.color = corrected_camera({camera.color, {}, estimate.sensor.corrections});
-  const double readout_s = estimate.sensor.corrections(kRollingShutter);
-  if (readout_s != nominal_readout_s(camera)) calibrated.rolling_shutter_s = readout_s;
+  calibrated.rolling_shutter_s = estimate.sensor.corrections(kRollingShutter);
   calibrated.depth_delay_s = estimate.sensor.corrections(kDepthDelay);
   return calibrated;
 }

@@ -44,6 +44,7 @@ from ._kinloop import (
     find_board,
     open,
     set_log_level,
+    share,
     view,
 )
 
