@@ -131,9 +131,10 @@ std::optional<MotionLag> motion_lag(std::vector<float> color, std::vector<float>
     if (scores.back() <= found.score) continue;
     found.frames = lag, found.correlation = here, found.score = scores.back();
   }
-  for (int lag = -max_lag; lag <= max_lag; ++lag) {
+  for (int i = 0; i <= 2 * max_lag; ++i) {
+    const int lag = i - max_lag;
     if (std::abs(lag - found.frames) > kPeak)
-      found.elsewhere = std::max(found.elsewhere, scores[static_cast<size_t>(lag + max_lag)]);
+      found.elsewhere = std::max(found.elsewhere, scores[static_cast<size_t>(i)]);
   }
   return found;
 }
