@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
 #include "kinloop/core/time.hpp"
@@ -34,30 +35,36 @@ void doubt_jumps(FrameLog& log, size_t first, const Map& map) {
   }
 }
 
-/// The share of the view that has moved or contradicts the pose.
-double conflicting_share(const TrackedFrame& entry) {
+/// The share of what has not moved that contradicts the pose.
+double contradicted_share(const TrackedFrame& entry) {
   const SurfaceAgreement& surfaces = entry.evidence.surfaces;
-  const double moved = entry.evidence.moved_share;
-  return moved + (1 - moved) * (surfaces.decides() ? surfaces.contradicted_share() : 0);
+  return surfaces.decides() ? surfaces.contradicted_share() : 0;
 }
 
-/// The mean of that share over the 1/3 s before or after each frame, whichever is less: what begins or ends
-/// at a frame does not reach beyond it.
-std::vector<double> lasting_conflict(const FrameLog& log, size_t first) {
+/// The share of the view that has moved or contradicts the pose.
+double conflicting_share(const TrackedFrame& entry) {
+  const double moved = entry.evidence.moved_share;
+  return moved + (1 - moved) * contradicted_share(entry);
+}
+
+/// The mean of a share over the 1/3 s before or after each frame, whichever is less: what begins or ends at a
+/// frame does not reach beyond it.
+std::vector<double> lasting(std::span<const TrackedFrame> log, size_t first,
+                            double (&share)(const TrackedFrame&)) {
   constexpr int64_t kWindow_ns = kNsPerSecond / 3;
-  std::vector<double> sums(log.size() + 1, 0);  // of the frames before each one
-  for (size_t i = first; i < log.size(); ++i) sums[i + 1] = sums[i] + conflicting_share(log[i]);
+  std::vector<double> sums(first + 1, 0);  // of the frames before each one
+  for (size_t i = first; i < log.size(); ++i) sums.push_back(sums.back() + share(log[i]));
   const auto mean = [&](size_t begin, size_t end) {
     return (sums[end] - sums[begin]) / static_cast<double>(end - begin);
   };
-  std::vector<double> lasting(log.size(), 0);
+  std::vector<double> means(log.size(), 0);
   size_t begin = first, end = first;
   for (size_t i = first; i < log.size(); ++i) {
     while (end < log.size() && log[end].stamp_ns <= log[i].stamp_ns + kWindow_ns) ++end;
     while (log[begin].stamp_ns < log[i].stamp_ns - kWindow_ns) ++begin;
-    lasting[i] = std::min(mean(begin, i + 1), mean(i, end));
+    means[i] = std::min(mean(begin, i + 1), mean(i, end));
   }
-  return lasting;
+  return means;
 }
 
 /// The doubtful and lost frames that do not stand alone.
@@ -76,11 +83,13 @@ std::vector<size_t> lasting_doubt(const FrameLog& log, size_t first) {
   return lasting;
 }
 
+// How far doubt reaches.
+constexpr int64_t kMaxDistance_ns = 2 * kNsPerSecond;
+// Without movers, 99 % of the frames are below .042; where the camera follows one, it is .1 to .4.
+constexpr double kMinConflict = 0.06;
+
 void extend_doubt(FrameLog& log, size_t first) {
-  constexpr int64_t kMaxDistance_ns = 2 * kNsPerSecond;
-  // Without movers, 99 % of the frames are below .042; where the camera follows one, it is .1 to .4.
-  constexpr double kMinConflict = 0.06;
-  const std::vector<double> conflict = lasting_conflict(log, first);
+  const std::vector<double> conflict = lasting(log, first, conflicting_share);
   const auto reaches = [&](size_t seed, size_t i) {
     return conflict[i] > kMinConflict && std::abs(log[i].stamp_ns - log[seed].stamp_ns) <= kMaxDistance_ns;
   };
@@ -96,6 +105,16 @@ FrameLog revise_doubt(FrameLog log, size_t first, const Map& map) {
   doubt_jumps(log, first, map);
   extend_doubt(log, first);
   return log;
+}
+
+std::optional<size_t> begin_of_contradiction(const FrameLog& log, size_t first, size_t last) {
+  size_t earliest = last;
+  while (earliest > first && log[last].stamp_ns - log[earliest - 1].stamp_ns <= kMaxDistance_ns) --earliest;
+  const std::vector<double> contradicted =
+      lasting(std::span(log).subspan(earliest, last + 1 - earliest), 0, contradicted_share);
+  size_t begin = last + 1;
+  while (begin > earliest && contradicted[begin - 1 - earliest] > kMinConflict) --begin;
+  return begin <= last ? std::optional(begin) : std::nullopt;
 }
 
 }  // namespace kinloop

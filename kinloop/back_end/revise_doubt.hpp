@@ -1,6 +1,8 @@
 #pragma once
 // Decides at the end which poses are doubtful: more is known then than when they were tracked.
 
+#include <optional>
+
 #include "kinloop/map/frame_log.hpp"
 
 namespace kinloop {
@@ -12,5 +14,9 @@ namespace kinloop {
 ///   the view moves or contradicts the pose. A camera that begins to follow something that moves finds enough
 ///   that agrees; that it was not the room becomes clear later.
 FrameLog revise_doubt(FrameLog log, size_t first, const Map& map);
+
+/// Returns since which frame, at most 2 s before frame `last`, much of what has not moved has contradicted
+/// the pose up to `last`; nullopt if it does not there. Frames before `first` are not looked at.
+std::optional<size_t> begin_of_contradiction(const FrameLog& log, size_t first, size_t last);
 
 }  // namespace kinloop

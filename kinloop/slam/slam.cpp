@@ -84,6 +84,7 @@ TrackedFrame Slam::process(const Frame& frame) {
   if (tracked.is_repeat() && tracked.doubtful) doubt_repeats();
   add_to_log(tracked);
   tracker_.update(tracked, map_);
+  withdraw_contradicted();
   if (tracked.keyframe.valid()) {
     find_loops(tracked.keyframe);
     submit_jobs(frame.id, tracked.keyframe);
@@ -210,7 +211,8 @@ Trajectory Slam::finish(const Progress& progress) {
   const Stopwatch watch;
   const auto anywhere = [this](const Frame& frame) {
     auto found = relocalizer_(frame);
-    if (found) found->doubtful = !is_confident(*found, *frame.features);  // no later frame confirms it
+    // No later frame confirms it.
+    if (found) found->doubtful = !is_confident(*found, *frame.features) || lacks_scale(*found, false);
     return found;
   };
   const FrameSearch search{anywhere, [this](const Frame& frame, const TrackedFrame& neighbor) {

@@ -116,6 +116,8 @@ class Slam {
   void add_input_evidence(TrackedFrame& tracked) const;
   bool compensates_first(const TrackedFrame& second);
   void withdraw_fixed_region();
+  [[nodiscard]] std::optional<size_t> contradicted_since() const;
+  void withdraw_contradicted();
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
   void doubt_frames_since(int64_t since_ns, bool withdrawn);

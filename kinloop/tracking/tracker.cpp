@@ -293,7 +293,8 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
     find_moved(tracked, measured);
-    tracked.doubtful = is_doubtful(tracked) || (is_few(tracked) && follows_weak_pose());
+    const bool doubtful_before = previous_ && lost_frames_ == 0 && previous_->doubtful;
+    tracked.doubtful = is_doubtful(tracked, doubtful_before) || (is_few(tracked) && follows_weak_pose());
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   if (tracked.is_located() && (is_hypothesis(tracked) || lacks_scale(tracked, lacks_scale_)))

@@ -66,6 +66,9 @@ class Tracker {
   /// Returns whether the next frame will probably be tracked by keypoints, as the previous one was.
   [[nodiscard]] bool expects_keypoints() const;
 
+  /// Returns since when the poses have been in doubt, lost frames left out; nullopt if the latest is not.
+  [[nodiscard]] std::optional<int64_t> doubtful_since_ns() const { return doubtful_since_ns_; }
+
   /// Returns the reference keyframe of the local map; invalid before the first.
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
 

@@ -52,6 +52,7 @@ class MovingThings : public testing::Test {
     const Trajectory trajectory = slam.finish();
     trusted_ = trajectory.size();
     camera_mask_ = slam.camera_mask();
+    for (const Keyframe& keyframe : slam.map().keyframes()) withdrawn_ += keyframe.withdrawn ? 1 : 0;
     std::vector<Eigen::Vector3d> estimated, truth;
     for (const auto& pose : trajectory) {
       const auto at = pose_at(room_.truth, pose.stamp_ns, 100'000'000);
@@ -70,6 +71,7 @@ class MovingThings : public testing::Test {
   cv::Mat texture_, camera_mask_;
   double most_moved_ = 0;
   size_t trusted_ = 0;
+  int withdrawn_ = 0;
 };
 
 constexpr double kMaxError_m = 0.03;
@@ -78,6 +80,7 @@ TEST_F(MovingThings, NothingMovesInAStaticRoom) {
   EXPECT_LT(max_error_m(), kMaxError_m);
   EXPECT_EQ(trusted_, room_.frames.size());
   EXPECT_EQ(most_moved_, 0);
+  EXPECT_EQ(withdrawn_, 0);
   EXPECT_TRUE(camera_mask_.empty());
 }
 

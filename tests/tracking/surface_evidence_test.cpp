@@ -45,32 +45,41 @@ TEST(SurfaceEvidence, FewPointsDecideNothing) {
 TEST(SurfaceEvidence, DoubtsWhatMostOfTheViewContradicts) {
   TrackedFrame tracked = Found(200).tracked;
   tracked.evidence.surfaces = {2000, 200, 0};
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(is_doubtful(tracked, false));
   tracked.evidence.surfaces = {2000, 1000, 0};
-  EXPECT_TRUE(is_doubtful(tracked));
+  EXPECT_TRUE(is_doubtful(tracked, false));
   tracked.velocity.angular_rad_s = {0, 2, 0};  // the rolling shutter distorts both views
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(is_doubtful(tracked, false));
   tracked.evidence.surfaces = {1000, 2000, 0};
-  EXPECT_TRUE(is_doubtful(tracked));
+  EXPECT_TRUE(is_doubtful(tracked, false));
+}
+
+TEST(SurfaceEvidence, StaysInDoubtUntilFewPointsContradict) {
+  TrackedFrame tracked = Found(200).tracked;
+  tracked.evidence.surfaces = {1600, 400, 0};
+  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_TRUE(is_doubtful(tracked, true));
+  tracked.evidence.surfaces = {1900, 100, 0};
+  EXPECT_FALSE(is_doubtful(tracked, true));
 }
 
 TEST(SurfaceEvidence, DoubtsDenseOdometryThatIsUncertain) {
   TrackedFrame tracked = Found(0).tracked;
   tracked.covariance = Matrix6d::Identity() * 0.01 * 0.01;
   tracked.method = TrackingMethod::kDense;
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(is_doubtful(tracked, false));
   tracked.covariance(1, 1) = 1;  // along a wall
-  EXPECT_TRUE(is_doubtful(tracked));
+  EXPECT_TRUE(is_doubtful(tracked, false));
   tracked.method = TrackingMethod::kKeypoints;
   tracked.evidence.inliers = 200;
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(is_doubtful(tracked, false));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseOfAFewLandmarks) {
   TrackedFrame tracked = Found(20).tracked;
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(is_doubtful(tracked, false));
   tracked.evidence.inliers = 8;
-  EXPECT_TRUE(is_doubtful(tracked));
+  EXPECT_TRUE(is_doubtful(tracked, false));
 }
 
 TEST(SurfaceEvidence, FindsThatTriangulatedLandmarksWithoutSurfacesDoNotHoldTheScale) {
@@ -100,9 +109,9 @@ TEST(SurfaceEvidence, LeavesTheScaleOfDenseOdometryAsItWas) {
 TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {
   TrackedFrame tracked = Found(200).tracked;
   tracked.evidence.moved_share = 0.4;
-  EXPECT_FALSE(is_doubtful(tracked));
+  EXPECT_FALSE(is_doubtful(tracked, false));
   tracked.evidence.moved_share = 0.6;
-  EXPECT_TRUE(is_doubtful(tracked));
+  EXPECT_TRUE(is_doubtful(tracked, false));
 }
 
 TEST(PositionSigma, IsThatOfTheLeastCertainDirection) {

@@ -45,16 +45,16 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
                                  contradicted_by_turning(turning_rad_s));
 }
 
-bool is_doubtful(const TrackedFrame& tracked) {
+bool is_doubtful(const TrackedFrame& tracked, bool doubtful_before) {
   // Of the frames of redkitchen, none is contradicted by more than 8 %. Where a camera with a rolling shutter
   // and delayed depth turns fast, up to 36 % of the points are, since the grids are not
   // motion-compensated.
-  constexpr double kMaxContradicted = 0.25;
+  constexpr double kMaxContradicted = 0.25, kMaxContradictedAfterDoubt = 0.1;
   constexpr double kMaxMoved = 0.5;  // of the image; if it is more, the rest may be what moves
   constexpr double kMaxDenseSigma_m = 0.02;
   const TrackingEvidence& evidence = tracked.evidence;
-  const double max_contradicted =
-      kMaxContradicted + contradicted_by_turning(tracked.velocity.angular_rad_s.norm());
+  const double max_contradicted = (doubtful_before ? kMaxContradictedAfterDoubt : kMaxContradicted) +
+                                  contradicted_by_turning(tracked.velocity.angular_rad_s.norm());
   if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
   return tracked.method == TrackingMethod::kDense ? position_sigma_m(tracked.covariance) > kMaxDenseSigma_m
                                                   : evidence.inliers < kMinLandmarks;

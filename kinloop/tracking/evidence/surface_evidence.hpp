@@ -23,8 +23,8 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
 
 /// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, by how
 /// much of the image moves, by how few landmarks support it, or by the uncertainty that dense odometry has
-/// accumulated. Needs the velocity.
-bool is_doubtful(const TrackedFrame& tracked);
+/// accumulated. Doubt ends only where hardly any surface contradicts the pose. Needs the velocity.
+bool is_doubtful(const TrackedFrame& tracked, bool doubtful_before);
 
 /// Whether nothing holds the scale of a pose. Triangulated landmarks do not: others must, or surfaces. Once
 /// it has been lacking, only landmarks of known depth restore it, since surfaces also agree with a reference
