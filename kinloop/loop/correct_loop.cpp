@@ -52,11 +52,11 @@ double judged_chi2(const LoopClosure& loop, const std::vector<SE3>& T_world_vert
   return e.dot(judged_information(loop, options) * e);
 }
 
-/// Whether all loops that the map is to be corrected for fit the solved poses.
+/// Whether all loops, as measured, fit the solved poses.
 bool all_fit(const LoopCorrectionProblem& problem, const std::vector<SE3>& T_world_vertex,
              const LoopOptions& options) {
   return std::all_of(problem.loops.begin(), problem.loops.end(), [&](const LoopClosure& loop) {
-    return loop.corrected || judged_chi2(loop, T_world_vertex, options) <= kMaxChi2;
+    return judged_chi2(loop, T_world_vertex, options) <= kMaxChi2;
   });
 }
 
