@@ -30,6 +30,7 @@ CycleBound cycle_bound(const LoopClosure& x, const LoopClosure& y, double travel
 LoopClosure inverse(LoopClosure loop) {
   std::swap(loop.a, loop.b);
   loop.T_a_b = loop.T_a_b.inverse();
+  loop.evidence.scale.factor = 1 / loop.evidence.scale.factor;
   return loop;
 }
 
@@ -85,9 +86,9 @@ Group group_of(size_t index, const std::vector<LoopVerificationResult>& waiting,
   const LoopClosure& x = waiting[index].loop;
   const EndDistances distances(map, x);
   Group group;
-  const auto take = [&](const LoopClosure& loop) {
-    group.keyframes.insert(loop.b);
-    group.scales.push_back(loop.evidence.scale);
+  const auto take = [&](const LoopClosure& y) {
+    group.keyframes.insert(y.b);
+    group.scales.push_back(directed_as(x, y, map)->evidence.scale);
   };
   for (size_t i = 0; i < waiting.size(); ++i) {
     const LoopClosure& y = waiting[i].loop;

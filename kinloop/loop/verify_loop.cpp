@@ -41,6 +41,13 @@ std::vector<PoseObservation> matched_observations(const ViewPair& views, const P
   return observations;
 }
 
+/// A view beside one that has been verified overlaps less with the place, and its pose is known: half of the
+/// inlier ratio is enough.
+LoopOptions options_for(const LoopClosure& hypothesis, LoopOptions options) {
+  if (hypothesis.support > 1) options.min_inlier_ratio /= 2;
+  return options;
+}
+
 }  // namespace
 
 std::optional<SE3> propose_pose(const ViewPair& views, const PlaceContext& context, uint64_t seed) {
@@ -73,7 +80,7 @@ std::vector<LoopVerificationResult> verify_loops(const LoopVerificationProblem& 
   std::vector<LoopVerificationResult> verified;
   for (const auto& [hypothesis, predicted, local_map] : problem.candidates) {
     const TrackingInput in{problem.frame, local_map, context.sensor, context.options.tracking};
-    auto found = confirm_pose(in, hypothesis.T_a_b, context.options.loop);
+    auto found = confirm_pose(in, hypothesis.T_a_b, options_for(hypothesis, context.options.loop));
     if (!found) continue;
     if (predicted && !is_explained_by_drift(*predicted, found->T_reference_camera)) continue;
     const LoopClosure loop{.a = hypothesis.a,

@@ -4,6 +4,7 @@
 
 #include "kinloop/back_end/refine_frames.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/loop/seek_support.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 
@@ -45,7 +46,8 @@ uint32_t Slam::add_map(SavedMap saved) {
 }
 
 /// Looks for the places of the keyframes from `first` on in those before, and if that does not join them, for
-/// the places of those before in the new ones: where one recording ends, the next may begin.
+/// the places of those before in the new ones, and for support of what was found: where one recording ends,
+/// the next may begin.
 void Slam::join_components(uint32_t first) {
   const auto count = static_cast<uint32_t>(map_.keyframes().size());
   const auto search = [this](uint32_t begin, uint32_t end) {
@@ -61,6 +63,15 @@ void Slam::join_components(uint32_t first) {
     });
   };
   if (!are_joined()) search(0, first);
+  if (!are_joined()) {
+    const std::vector<LoopClosure> waiting = map_.other_loops();
+    for (const LoopClosure& loop : waiting) {
+      if (loop.stage != LoopStage::kProvisional) continue;
+      for (LoopVerificationProblem& problem : seek_support(map_, loop, options_.local_map))
+        back_end_.add(std::move(problem));
+    }
+    apply_results(back_end_.apply_remaining(job_context()));
+  }
   apply_results(back_end_.apply_last(job_context()));
 }
 

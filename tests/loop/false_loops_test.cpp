@@ -124,7 +124,7 @@ TEST_F(FalseLoops, AmongTrueOnesExactlyTheFalseAreRejected) {
 
 TEST_F(FalseLoops, AFalseLoopThatHasBentTheMapIsTakenBack) {
   const LoopEnds bad{KeyframeId{3}, KeyframeId{33}};
-  add_loop(3, 33, true_pose(3).inverse() * true_pose(33) * SE3{Eigen::Quaterniond::Identity(), {0.25, 0, 0}});
+  add_loop(3, 33, true_pose(3).inverse() * true_pose(33) * SE3{Eigen::Quaterniond::Identity(), {0.32, 0, 0}});
   EXPECT_THAT(correct().withdrawn, IsEmpty()) << "drift could explain it";
   EXPECT_GT(largest_error_m(), 0.1);
   add_true_loops(4);

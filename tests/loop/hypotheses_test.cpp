@@ -155,6 +155,25 @@ TEST_F(Hypotheses, VisitsOfAnotherScaleAreRejected) {
   EXPECT_THAT(hypotheses_.add(map_, {scaled(7, 0.1)}).accepted, SizeIs(3));
 }
 
+/// The first visit is larger than the second, whichever of them looks for the other.
+TEST_F(Hypotheses, ScalesOfBothDirectionsAreComparedInOne) {
+  const auto scaled = [](uint32_t i, bool reverse) {
+    LoopVerificationResult result = loop(i, i);
+    result.loop.evidence.scale = {reverse ? 0.96 : 1 / 0.96, 0.004};
+    if (reverse) {
+      std::swap(result.loop.a, result.loop.b);
+      result.loop.T_a_b = result.loop.T_a_b.inverse();
+    }
+    return result;
+  };
+  for (const uint32_t i : {2U, 3U, 4U}) {
+    const LoopDecisions decided = hypotheses_.add(map_, {scaled(i, i % 2 == 0)});
+    EXPECT_THAT(decided.accepted, IsEmpty()) << i;
+    const LoopReason expected = i == 4 ? LoopReason::kScale : LoopReason::kTooFewKeyframes;
+    EXPECT_THAT(reasons(decided.others), testing::Each(expected));
+  }
+}
+
 TEST_F(Hypotheses, OneLoopIsEnoughWhereTheMapPredictsIt) {
   const auto within = [&](double error_m) {
     LoopClosure closure = loop(0, 0).loop;
