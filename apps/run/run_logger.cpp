@@ -30,11 +30,18 @@ void RunLogger::on_frame(const TrackedFrame& tracked) {
 }
 
 void RunLogger::on_map(const Map& map) {
-  for (; loops_logged_ < map.loop_closures().size(); ++loops_logged_) {
-    const LoopClosure& loop = map.loop_closures()[loops_logged_];
-    log::info("loop closed: keyframe {} ({} s) matches keyframe {} ({} s), {} inliers", loop.a.value,
-              format_stamp(map.keyframe(loop.a).stamp_ns), loop.b.value,
-              format_stamp(map.keyframe(loop.b).stamp_ns), loop.evidence.inliers);
+  const auto log_loop = [&](const LoopClosure& loop, std::string_view what) {
+    log::info("loop {}: keyframe {} ({} s) matches keyframe {} ({} s), {} inliers, {} keyframes: {}", what,
+              loop.a.value, format_stamp(map.keyframe(loop.a).stamp_ns), loop.b.value,
+              format_stamp(map.keyframe(loop.b).stamp_ns), loop.evidence.inliers, loop.support,
+              name_of(loop.reason));
+  };
+  for (const LoopClosure& loop : map.loop_closures()) {
+    if (loops_logged_.insert({loop.a, loop.b}).second) log_loop(loop, "closed");
+  }
+  for (const LoopClosure& loop : map.other_loops()) {
+    const bool refuted = loop.stage != LoopStage::kProvisional;
+    if (refuted && refuted_logged_.insert({loop.a, loop.b}).second) log_loop(loop, name_of(loop.stage));
   }
   for (; keyframes_logged_ < map.keyframes().size(); ++keyframes_logged_) {
     const Keyframe& keyframe = map.keyframes()[keyframes_logged_];

@@ -2,6 +2,7 @@
 // Logs the events of a run, one line each (--verbose): the input, keyframes, tracking losses,
 // relocalisations, loops and stages.
 
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -18,7 +19,7 @@ class RunLogger : public Listener {
 
  private:
   std::string_view state_;  // of the last frame, a literal
-  size_t loops_logged_ = 0;
+  std::set<LoopEnds> loops_logged_, refuted_logged_;
   size_t keyframes_logged_ = 0;
 };
 

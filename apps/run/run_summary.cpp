@@ -1,6 +1,7 @@
 #include "apps/run/run_summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -34,14 +35,21 @@ std::string lasting_input_name(const std::string& input) {
   return std::filesystem::weakly_canonical(input).string();
 }
 
-json loops_json(const Map& map) {
-  json loops = json::array();
-  for (const LoopClosure& loop : map.loop_closures()) {
-    loops.push_back({{"stamp_a", format_stamp(map.keyframe(loop.a).stamp_ns)},
-                     {"stamp_b", format_stamp(map.keyframe(loop.b).stamp_ns)},
-                     {"inliers", loop.evidence.inliers}});
-  }
-  return loops;
+json loop_json(const LoopClosure& loop, const Map& map) {
+  const RelativeScale& scale = loop.evidence.scale;
+  return {{"stamp_a", format_stamp(map.keyframe(loop.a).stamp_ns)},
+          {"stamp_b", format_stamp(map.keyframe(loop.b).stamp_ns)},
+          {"inliers", loop.evidence.inliers},
+          {"support", loop.support},
+          {"scale", std::isfinite(scale.sigma) ? json(scale.factor) : json(nullptr)},
+          {"status", name_of(loop.stage)},
+          {"reason", name_of(loop.reason)}};
+}
+
+json loops_json(const std::vector<LoopClosure>& loops, const Map& map) {
+  json all = json::array();
+  for (const LoopClosure& loop : loops) all.push_back(loop_json(loop, map));
+  return all;
 }
 
 json options_json(RunOptions options) {
@@ -173,7 +181,8 @@ json run_summary(const RunOutcome& o) {
   summary["interrupted"] = o.interrupted;
   summary["keyframes"] = o.slam.map().keyframes().size();
   summary["landmarks"] = o.slam.map().landmark_count();
-  summary["loops"] = loops_json(o.slam.map());
+  summary["loops"] = loops_json(o.slam.map().loop_closures(), o.slam.map());
+  summary["other_loops"] = loops_json(o.slam.map().other_loops(), o.slam.map());  // no edges of the map
   summary["sensor"] = sensor_json(o.slam.sensor_estimate());
   summary["depth_sensor"] = name_of(source.camera().sensor.model);
   const auto noise_scale = depth_noise_scale(o.slam);

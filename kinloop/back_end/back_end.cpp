@@ -35,6 +35,14 @@ AppliedResults BackEnd::apply_remaining(const JobContext& context) {
   return std::exchange(results_, {});
 }
 
+AppliedResults BackEnd::apply_last(const JobContext& context) {
+  complete(executor_->drain());
+  solve_now(verification_, context);
+  solve_now(correction_, context);
+  take(verification_.kind.finish(map_));
+  return apply_remaining(context);
+}
+
 template <class Kind>
 void BackEnd::submit(Slot<Kind>& slot, FrameId now, const JobContext& context) {
   if (executor_->busy(Kind::kName)) return;
@@ -63,10 +71,16 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
     results_.stale.emplace_back(Kind::kName);
     return;
   }
-  results_.map_changed |= applied->map_changed;
-  loops_corrected_ |= applied->loops_corrected;
-  if (applied->loops_added) correction_.kind.add(applied->merges);
-  if (applied->sensor) results_.sensor = std::move(applied->sensor);
+  take(*std::move(applied));
+}
+
+void BackEnd::take(AppliedSolution applied) {
+  results_.map_changed |= applied.map_changed;
+  loops_corrected_ |= applied.loops_corrected;
+  if (applied.loops_added) correction_.kind.add(applied.merges);
+  if (applied.sensor) results_.sensor = std::move(applied.sensor);
+  if (results_.T_world_keyframe_before.empty())
+    results_.T_world_keyframe_before = std::move(applied.T_world_keyframe_before);
 }
 
 void BackEnd::complete(const std::vector<FinishedJob>& jobs) {

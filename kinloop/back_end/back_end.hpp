@@ -24,6 +24,8 @@ namespace kinloop {
 /// Effects of the applied results.
 struct AppliedResults {
   bool map_changed = false;
+  /// If components were parted: T_world_camera of all keyframes before.
+  std::vector<SE3> T_world_keyframe_before;
   std::optional<SensorEstimate> sensor;                           ///< set if newly estimated
   std::vector<std::pair<std::string_view, ElapsedTime>> elapsed;  ///< per job, including stale ones
   std::vector<std::string_view> stale;                            ///< kinds of stale jobs
@@ -38,7 +40,7 @@ class BackEnd {
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
-  /// Adds loop hypotheses. Those that are verified are added to the map, which is then corrected.
+  /// Adds loop hypotheses. Those that are verified and agree are added to the map, which is then corrected.
   void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
 
   /// Submits the jobs due at frame `now`.
@@ -49,6 +51,9 @@ class BackEnd {
 
   /// Waits for all jobs, applies their results and corrects the remaining loops.
   AppliedResults apply_remaining(const JobContext& context);
+
+  /// The same when no further keyframes come: decides on the loops that wait for them, too.
+  AppliedResults apply_last(const JobContext& context);
 
  private:
   /// A kind of job, and whether its latest result was stale and must be recomputed.
@@ -64,6 +69,7 @@ class BackEnd {
   void solve_now(Slot<Kind>& slot, const JobContext& context);
   template <class Kind>
   void apply(Slot<Kind>& slot, typename Kind::Solution solution);
+  void take(AppliedSolution applied);
   void complete(const std::vector<FinishedJob>& jobs);
   [[nodiscard]] bool global_correction_in_flight() const;
 

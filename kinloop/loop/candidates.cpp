@@ -73,8 +73,8 @@ int KnownPlace::count_loop_inliers(const std::vector<KeyframeId>& group) const {
   return inliers;
 }
 
-LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
-                                   const CandidateHistory& history, const LoopOptions& options) {
+std::vector<KeyframeId> find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
+                                             const LoopOptions& options) {
   const auto neighbours = map.covisible_keyframes(keyframe, kMinCovisibleLandmarks);
   const double min_score = options.min_score_ratio * min_covisible_score(index, keyframe, neighbours);
   std::vector<bool> excluded(map.keyframes().size(), false);
@@ -82,11 +82,11 @@ LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, Keyf
   const uint32_t component = map.keyframe(keyframe).component;
   const auto allowed = [&](KeyframeId id) {
     const bool old_enough = id.value + static_cast<uint32_t>(options.min_gap_keyframes) <= keyframe.value;
-    const bool other_component = id < keyframe && map.keyframe(id).component != component;
+    const bool other_component = id != keyframe && map.keyframe(id).component != component;
     return (old_enough || other_component) && !excluded[id.value];
   };
 
-  LoopDetection candidates;
+  std::vector<KeyframeId> candidates;
   std::optional<KnownPlace> place;
   std::vector<std::vector<KeyframeId>> chosen;  // the groups of the candidates
   const auto& landmarks = map.keyframe(keyframe).landmark_of;
@@ -95,24 +95,16 @@ LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, Keyf
   const auto max_results = static_cast<size_t>(options.max_candidates);
   for (const auto& [candidate, score] : index.query(index.bow_of(keyframe), max_results, allowed)) {
     if (score < min_score) continue;
-    CandidateGroup group{covisible_group(map, candidate), 1};
-    for (const CandidateGroup& earlier : history) {
-      if (overlap(group.keyframes, earlier.keyframes)) {
-        group.consistency = std::max(group.consistency, earlier.consistency + 1);
-      }
-    }
+    std::vector<KeyframeId> group = covisible_group(map, candidate);
     // Of the keyframes that show one place, only the most similar is verified.
     const bool known_place = std::any_of(chosen.begin(), chosen.end(), [&](const auto& keyframes) {
-      return overlap(group.keyframes, keyframes);
+      return overlap(group, keyframes);
     });
-    if (group.consistency >= options.consistent_keyframes && !known_place) {
-      if (!place) place.emplace(map, covisible_group(map, keyframe));
-      if (!place->shares_landmarks_with(group.keyframes, observed_landmarks)) {
-        candidates.keyframes.push_back(candidate);
-        chosen.push_back(group.keyframes);
-      }
-    }
-    candidates.history.push_back(std::move(group));
+    if (known_place) continue;
+    if (!place) place.emplace(map, covisible_group(map, keyframe));
+    if (place->shares_landmarks_with(group, observed_landmarks)) continue;
+    candidates.push_back(candidate);
+    chosen.push_back(std::move(group));
   }
   return candidates;
 }

@@ -32,27 +32,12 @@ class KnownPlace {
   std::vector<bool> observed_;  // by landmark id
 };
 
-/// A place that consecutive keyframes have matched: the keyframes that show it, and the number of consecutive
-/// matches.
-struct CandidateGroup {
-  std::vector<KeyframeId> keyframes;  ///< in ascending order
-  int consistency = 0;
-};
-
-/// The detector's state between keyframes.
-using CandidateHistory = std::vector<CandidateGroup>;
-
-struct LoopDetection {
-  std::vector<KeyframeId> keyframes;  ///< to be verified, most similar first
-  CandidateHistory history;           ///< for the next keyframe
-};
-
-/// Returns loop candidates for `keyframe`: keyframes that are at least `min_gap_keyframes` older or in
-/// another component, are not covisible with it, and are as similar to it as its covisible keyframes
-/// (relative score). `consistent_keyframes` consecutive keyframes must have matched their surroundings
-/// (Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014). Places that share as many landmarks with that
-/// of `keyframe` as the keyframe observes are left out.
-LoopDetection find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
-                                   const CandidateHistory& history, const LoopOptions& options);
+/// Returns loop candidates for `keyframe`, most similar first: keyframes that are at least
+/// `min_gap_keyframes` older or in another component, are not covisible with it, and are as similar to it as
+/// its covisible keyframes (relative score, Galvez-Lopez and Tardos 2012; Mur-Artal and Tardos 2014). Places
+/// that share as many landmarks with that of `keyframe` as the keyframe observes are left out. Whether
+/// keyframes agree is decided on measured poses, see hypotheses.hpp.
+std::vector<KeyframeId> find_loop_candidates(const Map& map, const PlaceIndex& index, KeyframeId keyframe,
+                                             const LoopOptions& options);
 
 }  // namespace kinloop

@@ -1,5 +1,6 @@
 #pragma once
-// Loop correction: distributes the drift over all keyframes of a map with loop closures.
+// Loop correction: distributes the drift over all keyframes of a map with loop closures, and finds the loop
+// closures that are false.
 
 #include <optional>
 #include <vector>
@@ -9,34 +10,68 @@
 
 namespace kinloop {
 
+/// The motion between neighbouring keyframes as it was before any loop bent the map: what is needed to take a
+/// loop back. A keyframe enters when the first loop after it is corrected, after its local adjustment.
+class UnbentOdometry {
+ public:
+  /// Takes over the keyframes that are new.
+  void observe(const Map& map, const LoopOptions& options);
+
+  [[nodiscard]] const std::vector<PoseGraphEdge>& edges() const { return edges_; }
+
+ private:
+  uint32_t observed_ = 0;  // keyframes
+  std::vector<PoseGraphEdge> edges_;
+};
+
+/// The landmarks that a loop closure identifies.
+struct LoopMerges {
+  LoopEnds loop;
+  LandmarkMerges merges;
+};
+
 /// A pose graph over all keyframes, and the landmarks to merge after it is solved.
 struct LoopCorrectionProblem {
-  PoseGraph graph;  ///< vertex i is keyframe i
-  LandmarkMerges merges;
+  PoseGraph graph;                      ///< vertex i is keyframe i; the edges of `loops` come last
+  std::vector<LoopClosure> loops;       ///< all of the map
+  std::vector<PoseGraphEdge> odometry;  ///< before any loop bent the map
+  std::vector<LoopMerges> merges;       ///< of the loops that the map has not been corrected for
   KeyframeId newest_keyframe;
   uint32_t epoch = 0;
 };
 
-/// Returns the keyframe preceding this one in time; nullopt if its motion from there is unknown.
+/// Returns the keyframe preceding this one in its visit; nullopt if its motion from there is unknown.
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
-/// current poses, and an edge for each loop closure, as measured. The first `corrected_loops` loop closures
-/// are an exception: the map has been corrected for them and their landmarks are merged and adjusted, so
-/// their edges use the current poses too, which are better than the measurement. The first keyframe of each
-/// component is constant.
-PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, size_t corrected_loops = 0);
+/// current poses, and last an edge for each loop closure: as measured or, where the map has been corrected for
+/// it, by the current poses too. Its landmarks are merged and adjusted then, so that these are better than the
+/// measurement. The first keyframe of each component is constant.
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 
 /// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;
 /// quaternion vector part) as in pose_graph.hpp.
 Matrix6d edge_information(int shared, const LoopOptions& options);
 
-/// Copies the problem; `merges` are the landmarks identified by the loop closures after the first
-/// `corrected_loops`.
-LoopCorrectionProblem make_loop_correction_problem(const Map& map, LandmarkMerges merges,
-                                                   const LoopOptions& options, size_t corrected_loops = 0);
+/// Copies the problem; `merges` are those of the loop closures that the map has not been corrected for.
+LoopCorrectionProblem make_loop_correction_problem(const Map& map, std::vector<LoopMerges> merges,
+                                                   const UnbentOdometry& odometry,
+                                                   const LoopOptions& options);
+
+/// Corrected poses, and the loop closures that are false.
+struct LoopCorrection {
+  MapUpdate update;
+  std::vector<LoopMerges> merges;   ///< as in the problem; `update` has those of loops that fit
+  std::vector<LoopEnds> loops;      ///< that the poses are corrected for
+  std::vector<LoopEnds> withdrawn;  ///< that do not fit
+};
 
 /// Solves the pose graph. Landmarks move with their anchors.
-MapUpdate correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options);
+///
+/// If a loop closure does not fit the solution (chi2 of its covariance), all loop closures and the odometry
+/// as it was before any of them are solved by graduated non-convexity with the kernel of Geman and McClure
+/// (Yang et al. 2020), and those whose weight ends near zero are withdrawn. If the map had been corrected for
+/// one of those, its poses become that solution; otherwise the graph is solved without the withdrawn ones.
+LoopCorrection correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options);
 
 }  // namespace kinloop

@@ -16,7 +16,6 @@ struct LoopOptions {
   int min_gap_keyframes = 10;
   int max_candidates = 5;
   double min_score_ratio = 0.8;
-  int consistent_keyframes = 2;
   int max_hamming_distance = 64;
   int min_matches = 20;
   int min_inliers = 30;
@@ -39,9 +38,6 @@ struct LoopOptions {
     visit("min_score_ratio", self.min_score_ratio,
           "minimum similarity score of a candidate relative to the lowest score of a covisible keyframe",
           Range{0, 10}, Expert{});
-    visit("consistent_keyframes", self.consistent_keyframes,
-          "consecutive keyframes that must agree on a candidate (temporal consistency)", Range{1, 20},
-          Expert{});
     visit("max_hamming_distance", self.max_hamming_distance,
           "maximum Hamming distance of a match in relocalization, bits", Range{1, 256}, Expert{});
     visit("min_matches", self.min_matches, "minimum descriptor matches of a candidate in relocalization",

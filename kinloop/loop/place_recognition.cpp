@@ -54,16 +54,15 @@ IndexedView PlaceRecognition::indexed_view(const Keyframe& keyframe) const {
   return {*keyframe.features, nodes_[keyframe.id.value]};
 }
 
-LoopVerificationProblem PlaceRecognition::find_loops(const Map& map, KeyframeId id) {
+LoopVerificationProblem PlaceRecognition::find_loops(const Map& map, KeyframeId id) const {
   const auto& [sensor, options] = context_;
-  LoopDetection detected = find_loop_candidates(map, index_, id, history_, options.loop);
-  history_ = std::move(detected.history);
+  const auto candidates = find_loop_candidates(map, index_, id, options.loop);
   const Keyframe& keyframe = map.keyframe(id);
   LoopVerificationProblem problem = make_loop_verification_problem(keyframe);
-  if (detected.keyframes.empty()) return problem;
+  if (candidates.empty()) return problem;
   const auto travelled_m = travelled_distances(map, id);
   const uint64_t seed = hash(options.seed, keyframe.frame.value);
-  for (const KeyframeId candidate : detected.keyframes) {
+  for (const KeyframeId candidate : candidates) {
     const Keyframe& reference = map.keyframe(candidate);
     const auto predicted = predict_view(map, candidate, id, travelled_m[candidate.value]);
     if (predicted &&

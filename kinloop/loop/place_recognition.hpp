@@ -28,12 +28,9 @@ class PlaceRecognition {
                                                         KeyframeId reference,
                                                         const SE3& T_reference_camera) const;
 
-  /// Returns hypotheses of loops between `keyframe`, the one added last, and earlier keyframes, to be
+  /// Returns hypotheses of loops between `keyframe` and earlier keyframes or those of other components, to be
   /// verified.
-  LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe);
-
-  /// Starts a new sequence: the next keyframe does not follow the previous one.
-  void forget_history() { history_.clear(); }
+  [[nodiscard]] LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe) const;
 
  private:
   [[nodiscard]] BowVector bow_of(const Features& features) const;
@@ -43,7 +40,6 @@ class PlaceRecognition {
   Vocabulary vocabulary_;
   PlaceIndex index_;
   std::vector<std::vector<NodeId>> nodes_;  // by keyframe id: the vocabulary node of each keypoint
-  CandidateHistory history_;
 };
 
 }  // namespace kinloop

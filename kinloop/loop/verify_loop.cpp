@@ -6,6 +6,7 @@
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/loop/relative_scale.hpp"
 #include "kinloop/optimize/pose/ransac.hpp"
 #include "kinloop/place/match_by_nodes.hpp"
 
@@ -40,6 +41,13 @@ std::vector<PoseObservation> matched_observations(const ViewPair& views, const P
   return observations;
 }
 
+/// A view beside one that has been verified overlaps less with the place, and its pose is known: half of the
+/// inlier ratio is enough.
+LoopOptions options_for(const LoopClosure& hypothesis, LoopOptions options) {
+  if (hypothesis.support > 1) options.min_inlier_ratio /= 2;
+  return options;
+}
+
 }  // namespace
 
 std::optional<SE3> propose_pose(const ViewPair& views, const PlaceContext& context, uint64_t seed) {
@@ -67,22 +75,24 @@ LoopVerificationProblem make_loop_verification_problem(const Keyframe& keyframe)
   return problem;
 }
 
-std::optional<LoopVerificationResult> verify_loop(const LoopVerificationProblem& problem,
-                                                  const PlaceContext& context) {
+std::vector<LoopVerificationResult> verify_loops(const LoopVerificationProblem& problem,
+                                                 const PlaceContext& context) {
+  std::vector<LoopVerificationResult> verified;
   for (const auto& [hypothesis, predicted, local_map] : problem.candidates) {
-    auto found = confirm_pose({problem.frame, local_map, context.sensor, context.options.tracking},
-                              hypothesis.T_a_b, context.options.loop);
+    const TrackingInput in{problem.frame, local_map, context.sensor, context.options.tracking};
+    auto found = confirm_pose(in, hypothesis.T_a_b, options_for(hypothesis, context.options.loop));
     if (!found) continue;
     if (predicted && !is_explained_by_drift(*predicted, found->T_reference_camera)) continue;
     const LoopClosure loop{.a = hypothesis.a,
                            .b = hypothesis.b,
                            .T_a_b = found->T_reference_camera,
                            .information = edge_information(found->evidence.inliers, context.options.loop),
-                           .evidence = {found->evidence.inliers, found->evidence.visible_landmarks},
+                           .evidence = {found->evidence.inliers, found->evidence.visible_landmarks,
+                                        measure_scale(in, found->T_reference_camera)},
                            .stage = LoopStage::kVerified};
-    return LoopVerificationResult{loop, std::move(found->matches)};
+    verified.push_back({loop, std::move(found->matches)});
   }
-  return std::nullopt;
+  return verified;
 }
 
 LandmarkMerges landmark_merges(const Map& map, const LoopVerificationResult& verified) {
@@ -90,9 +100,8 @@ LandmarkMerges landmark_merges(const Map& map, const LoopVerificationResult& ver
   const auto& landmark_of = map.keyframe(verified.loop.b).landmark_of;
   for (const LandmarkMatch& match : verified.matches) {
     const LandmarkId newer = landmark_of[match.feature];
-    if (newer.valid() && newer != match.landmark && map.contains(match.landmark)) {
-      merges.emplace_back(newer, match.landmark);
-    }
+    const LandmarkId matched = map.resolve_merged(match.landmark);  // it may have waited for other keyframes
+    if (newer.valid() && newer != matched && map.contains(matched)) merges.emplace_back(newer, matched);
   }
   return merges;
 }

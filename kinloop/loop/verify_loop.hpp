@@ -50,9 +50,10 @@ struct LoopVerificationResult {
 /// Returns the problem of a keyframe, without candidates.
 LoopVerificationProblem make_loop_verification_problem(const Keyframe& keyframe);
 
-/// Verifies the candidates in order and returns the first that `confirm_pose` confirms and drift explains.
-std::optional<LoopVerificationResult> verify_loop(const LoopVerificationProblem& problem,
-                                                  const PlaceContext& context);
+/// Verifies the candidates in order and returns those that `confirm_pose` confirms and drift explains. They
+/// may contradict each other.
+std::vector<LoopVerificationResult> verify_loops(const LoopVerificationProblem& problem,
+                                                 const PlaceContext& context);
 
 /// Returns the landmarks that a verified loop identifies, as pairs (of `loop.b`, matched).
 LandmarkMerges landmark_merges(const Map& map, const LoopVerificationResult& verified);

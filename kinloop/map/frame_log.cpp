@@ -75,6 +75,44 @@ FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSe
   return log;
 }
 
+namespace {
+
+/// Drops the matches of landmarks that are not in this component.
+void keep_matches_of(uint32_t component, TrackedFrame& frame, const Map& map) {
+  std::vector<LandmarkMatch> matches;
+  std::vector<MatchMeasurement> measurements;
+  for (size_t i = 0; i < frame.matches.size(); ++i) {
+    const LandmarkId landmark = map.resolve_merged(frame.matches[i].landmark);
+    if (map.contains(landmark) && map.keyframe(map.landmark(landmark).anchor).component != component) continue;
+    matches.push_back(frame.matches[i]);
+    if (i < frame.measurements.size()) measurements.push_back(frame.measurements[i]);
+  }
+  frame.matches = std::move(matches);
+  frame.measurements = std::move(measurements);
+}
+
+}  // namespace
+
+FrameLog with_references_of_own_visit(FrameLog log, const Map& map,
+                                      std::span<const SE3> T_world_keyframe_before) {
+  KeyframeId own;
+  for (TrackedFrame& frame : log) {
+    if (frame.is_lost()) continue;
+    if (frame.outcome == TrackingOutcome::kRelocalized) own = frame.reference;
+    if (frame.keyframe.valid()) own = frame.keyframe;
+    if (!own.valid() || !frame.reference.valid()) continue;
+    const uint32_t component = map.keyframe(own).component;
+    if (map.keyframe(frame.reference).component != component) {
+      const SE3 T_own_reference =
+          T_world_keyframe_before[own.value].inverse() * T_world_keyframe_before[frame.reference.value];
+      frame.T_reference_camera = T_own_reference * frame.T_reference_camera;
+      frame.reference = own;
+    }
+    keep_matches_of(component, frame, map);
+  }
+  return log;
+}
+
 SE3 world_pose(const TrackedFrame& entry, const Map& map) {
   return map.keyframe(entry.reference).T_world_camera * entry.T_reference_camera;
 }

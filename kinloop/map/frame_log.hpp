@@ -33,6 +33,13 @@ struct FrameSearch {
 /// near the previous one.
 FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search);
 
+/// Returns the log after components were parted, given T_world_camera of all keyframes before: a frame whose
+/// reference is not in the component of the visit in which it was tracked (that of the latest keyframe of the
+/// log, or where it was relocalized) becomes relative to that keyframe. Matches of landmarks of another
+/// component are dropped.
+FrameLog with_references_of_own_visit(FrameLog log, const Map& map,
+                                      std::span<const SE3> T_world_keyframe_before);
+
 /// Returns T_world_camera of the frame in the current map. The frame must not be lost.
 SE3 world_pose(const TrackedFrame& entry, const Map& map);
 

@@ -1,7 +1,10 @@
 #pragma once
 // A loop closure: two keyframes that show the same place, from the first guess to an edge of the map.
 
+#include <limits>
+
 #include "kinloop/core/ids.hpp"
+#include "kinloop/core/options.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
@@ -12,13 +15,55 @@ enum class LoopStage {
   kVerified,     ///< landmarks, depth and appearance agree with the pose
   kProvisional,  ///< waits for other keyframes to agree; does not correct the map yet
   kAccepted,     ///< an edge of the map
-  kWithdrawn,    ///< was accepted or provisional and has been refuted
+  kRejected,     ///< refuted before it was an edge
+  kWithdrawn,    ///< was an edge and has been refuted
+};
+
+constexpr auto option_names(LoopStage) {
+  using enum LoopStage;
+  return std::to_array<EnumName<LoopStage>>({{kHypothesis, "hypothesis"},
+                                             {kVerified, "verified"},
+                                             {kProvisional, "provisional"},
+                                             {kAccepted, "accepted"},
+                                             {kRejected, "rejected"},
+                                             {kWithdrawn, "withdrawn"}});
+}
+
+/// Why a loop closure has reached its stage.
+enum class LoopReason {
+  kNone,
+  kKeyframesAgree,   ///< enough keyframes measure the same relative pose
+  kFitsMap,          ///< the map predicts the measured pose, so that little bends
+  kLoaded,           ///< an edge of a loaded map
+  kTooFewKeyframes,  ///< no other keyframe, or too few, measure the same relative pose
+  kAmbiguous,        ///< other keyframes, or the same, fit another place as well
+  kScale,            ///< the two visits see the place in different sizes
+  kDoesNotFit,       ///< odometry and the other loops contradict it
+};
+
+constexpr auto option_names(LoopReason) {
+  using enum LoopReason;
+  return std::to_array<EnumName<LoopReason>>({{kNone, "none"},
+                                              {kKeyframesAgree, "keyframes agree"},
+                                              {kFitsMap, "fits the map"},
+                                              {kLoaded, "loaded"},
+                                              {kTooFewKeyframes, "too few keyframes"},
+                                              {kAmbiguous, "ambiguous"},
+                                              {kScale, "different scale"},
+                                              {kDoesNotFit, "does not fit"}});
+}
+
+/// Size of a place in one visit relative to another, from the landmarks that both see.
+struct RelativeScale {
+  double factor = 1;  ///< of the visit of `a`, relative to that of `b`
+  double sigma = std::numeric_limits<double>::infinity();  ///< standard deviation; infinite if unknown
 };
 
 /// The support for a loop closure.
 struct LoopEvidence {
   int inliers = 0;            ///< landmarks around `a` that `b` observes, consistently with T_a_b
   int visible_landmarks = 0;  ///< landmarks around `a` in the view of `b`; 0 if read from a file
+  RelativeScale scale = {};   ///< unknown if read from a file
 };
 
 /// A measured relative pose of two keyframes of the same place.
@@ -31,6 +76,16 @@ struct LoopClosure {
   Matrix6d information = Matrix6d::Identity();
   LoopEvidence evidence = {};
   LoopStage stage = LoopStage::kHypothesis;
+  int support = 1;  ///< keyframes of the visit of `b` that measure the same relative pose, with `b`
+  LoopReason reason = LoopReason::kNone;
+  bool corrected = false;  ///< the map has been corrected for it
+};
+
+/// The keyframes of a loop closure, which identify it.
+struct LoopEnds {
+  KeyframeId a, b;
+
+  auto operator<=>(const LoopEnds&) const = default;  // NOLINT(modernize-use-nullptr): as in ids.hpp
 };
 
 }  // namespace kinloop

@@ -5,6 +5,13 @@
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {
+namespace {
+
+bool has_ends(const LoopClosure& loop, KeyframeId a, KeyframeId b) {
+  return loop.a == a && loop.b == b;
+}
+
+}  // namespace
 
 void Map::append(MapData parts) {
   const auto first_keyframe = static_cast<uint32_t>(keyframes_.size());
@@ -15,6 +22,7 @@ void Map::append(MapData parts) {
             "append: keyframe without features or with a non-finite pose");
     keyframe.id = KeyframeId{static_cast<uint32_t>(keyframes_.size())};
     keyframe.component += component_count_;
+    keyframe.visit += component_count_;
     keyframe.landmark_of.assign(keyframe.features->size(), LandmarkId{});
     keyframes_.push_back(std::move(keyframe));
   }
@@ -45,7 +53,8 @@ void Map::check_appended(size_t first_keyframe, size_t first_landmark) const {
     if (landmarks_[i]) check_landmark(*landmarks_[i]);
   }
   for (size_t i = first_keyframe; i < keyframes_.size(); ++i) {
-    require(keyframes_[i].component < component_count_, "append: component index out of range");
+    require(keyframes_[i].component < component_count_ && keyframes_[i].visit < component_count_,
+            "append: component index out of range");
   }
   for (const LoopClosure& loop : loop_closures_) {
     require(contains(loop.a) && contains(loop.b), "append: loop closure refers to a missing keyframe");
@@ -61,11 +70,15 @@ KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world
   const KeyframeId id{static_cast<uint32_t>(keyframes_.size())};
   const bool begins = component == component_count_;
   if (begins) ++component_count_;
+  const auto latest = std::find_if(keyframes_.rbegin(), keyframes_.rend(),
+                                   [&](const Keyframe& other) { return other.component == component; });
+  const uint32_t visit = latest == keyframes_.rend() ? component : latest->visit;
   std::vector<LandmarkId> landmark_of(features->size());
   keyframes_.push_back({.id = id,
                         .frame = frame,
                         .stamp_ns = stamp_ns,
                         .component = component,
+                        .visit = visit,
                         .begins_component = begins,
                         .T_world_camera = T_world_camera,
                         .features = std::move(features),
@@ -103,8 +116,24 @@ void Map::add_loop_closure(LoopClosure loop) {
   require(!keyframe(loop.a).withdrawn && !keyframe(loop.b).withdrawn, "add_loop_closure: withdrawn keyframe");
   require(loop.T_a_b.is_finite(), "add_loop_closure: the pose is not finite");
   loop.stage = LoopStage::kAccepted;
+  std::erase_if(other_loops_, [&](const LoopClosure& other) { return has_ends(other, loop.a, loop.b); });
   loop_closures_.push_back(loop);
   if (keyframe(loop.a).component != keyframe(loop.b).component) merge_components(loop);
+}
+
+void Map::record_loop(const LoopClosure& loop) {
+  require(contains(loop.a) && contains(loop.b), "record_loop: no such keyframe");
+  require(loop.stage == LoopStage::kProvisional || loop.stage == LoopStage::kRejected ||
+              loop.stage == LoopStage::kWithdrawn,
+          "record_loop: neither provisional nor refuted");
+  std::erase_if(other_loops_, [&](const LoopClosure& other) { return has_ends(other, loop.a, loop.b); });
+  other_loops_.push_back(loop);
+}
+
+void Map::mark_corrected(std::span<const LoopEnds> loops) {
+  for (LoopClosure& loop : loop_closures_) {
+    if (std::find(loops.begin(), loops.end(), LoopEnds{loop.a, loop.b}) != loops.end()) loop.corrected = true;
+  }
 }
 
 void Map::merge_components(const LoopClosure& loop) {
@@ -153,8 +182,10 @@ void Map::withdraw(KeyframeId id) {
     const LandmarkId landmark = keyframe.landmark_of[feature];
     if (landmark.valid()) remove_observation(landmark, {id, feature});
   }
-  std::erase_if(loop_closures_, [&](const LoopClosure& loop) { return loop.a == id || loop.b == id; });
-  keyframe.component = component_count_++;
+  const auto is_end = [&](const LoopClosure& loop) { return loop.a == id || loop.b == id; };
+  std::erase_if(loop_closures_, is_end);
+  std::erase_if(other_loops_, is_end);
+  keyframe.component = keyframe.visit = component_count_++;
   keyframe.begins_component = keyframe.withdrawn = true;
   advance_epoch();  // work in flight still uses it
 }
@@ -165,7 +196,7 @@ void Map::merge(LandmarkId from, LandmarkId into) {
   require(contains(into), "merge: no such landmark");
   erase(from);
   for (const Observation& observation : observations) add_observation(into, observation);
-  merged_into_[from] = into;
+  merged_into_[from] = {into, observations.front().keyframe};
 }
 
 bool Map::apply(const MapUpdate& update) {
@@ -218,6 +249,11 @@ void Map::set_patches(KeyframeId id, KeypointPatches patches) {
   keyframe.patches = std::make_shared<const KeypointPatches>(std::move(patches));
 }
 
+void Map::set_visit(KeyframeId id, uint32_t visit) {
+  require(visit < component_count_, "set_visit: no such visit");
+  keyframe_ref(id).visit = visit;
+}
+
 void Map::set_surfaces(KeyframeId id, std::shared_ptr<const SurfaceGrid> surfaces) {
   keyframe_ref(id).surfaces = std::move(surfaces);
 }
@@ -228,7 +264,7 @@ bool Map::contains(LandmarkId id) const {
 
 LandmarkId Map::resolve_merged(LandmarkId id) const {
   for (auto next = merged_into_.find(id); next != merged_into_.end(); next = merged_into_.find(id)) {
-    id = next->second;
+    id = next->second.into;
   }
   return id;
 }

@@ -2,10 +2,12 @@
 // The single owner of keyframes, landmarks and loop closures. It is used by one thread and has no mutex; all
 // changes go through the functions below, which keep both directions of every observation consistent.
 // After tracking loss the map consists of several components whose relative poses are unknown until a loop
-// closure joins them.
+// closure joins them. Each keyframe knows in which component it was made, its visit, and each loop closure
+// which keyframes it joins: where the loop closures between visits are withdrawn, the components are parted.
 
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -36,7 +38,8 @@ class Map {
   /// counts.
   void append(MapData parts);
 
-  /// Adds a keyframe without observations to a component; `component_count()` begins a new component.
+  /// Adds a keyframe without observations to a component; `component_count()` begins a new component and
+  /// visit. Otherwise it continues the visit of the latest keyframe of the component, see `set_visit`.
   KeyframeId add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world_camera,
                           std::shared_ptr<const Features> features, uint32_t component = 0);
 
@@ -51,7 +54,16 @@ class Map {
   /// the keyframes and landmarks of the newer one are moved according to its measurement.
   void add_loop_closure(LoopClosure loop);
 
+  /// Remembers a loop closure that is no edge: provisional, rejected or withdrawn. Replaces what is known of
+  /// one between the same keyframes.
+  void record_loop(const LoopClosure& loop);
+
   // Shrinking.
+
+  /// Takes loop closures back, for `reason`: they are no edges any more, landmarks that only they have tied
+  /// together are split, and components that only they have joined are parted. Poses stay as they are. The
+  /// epoch does not advance.
+  void withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason);
 
   /// Removes an observation; erases a landmark left without any.
   void remove_observation(LandmarkId landmark, Observation observation);
@@ -65,6 +77,9 @@ class Map {
   /// Merges `from` into `into`: moves its observations where possible and drops the others.
   void merge(LandmarkId from, LandmarkId into);
 
+  /// Marks loop closures as those that the map has been corrected for.
+  void mark_corrected(std::span<const LoopEnds> loops);
+
   // Correcting.
 
   /// Applies an update and returns true, unless its epoch is older than the map's; such an update is stale
@@ -77,6 +92,9 @@ class Map {
 
   /// Stores image patches of the keypoints of a keyframe.
   void set_patches(KeyframeId id, KeypointPatches patches);
+
+  /// Says in which visit a keyframe was made, one of those of its component.
+  void set_visit(KeyframeId id, uint32_t visit);
 
   /// Stores the surfaces that a keyframe shows.
   void set_surfaces(KeyframeId id, std::shared_ptr<const SurfaceGrid> surfaces);
@@ -100,6 +118,8 @@ class Map {
   [[nodiscard]] const Landmark& landmark(LandmarkId id) const;
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<LoopClosure>& loop_closures() const { return loop_closures_; }
+  /// Loop closures that are no edges: provisional, rejected or withdrawn. Not in map files.
+  [[nodiscard]] const std::vector<LoopClosure>& other_loops() const { return other_loops_; }
   /// Returns a copy of everything; `append` to an empty map restores the map.
   [[nodiscard]] MapData data() const { return {keyframes_, landmarks_, loop_closures_, component_count_}; }
 
@@ -122,14 +142,24 @@ class Map {
   Landmark& landmark_ref(LandmarkId id);
   void move_anchor(Landmark& landmark);
   void merge_components(const LoopClosure& loop);
+  void part_components();
+  void split_landmarks(const std::vector<uint32_t>& side_of);
+  void split_tracks(const LoopEnds& loop);
+  void split(LandmarkId id, const std::vector<Observation>& moved);
   void propagate_correction(size_t first, const std::vector<SE3>& T_world_camera_before);
   void check_appended(size_t first_keyframe, size_t first_landmark) const;
   void check_landmark(const Landmark& landmark) const;
 
   std::vector<Keyframe> keyframes_;                 // index = id
   std::vector<std::optional<Landmark>> landmarks_;  // index = id; nullopt if erased
-  std::map<LandmarkId, LandmarkId> merged_into_;
+  /// What a landmark was merged into, and one of its observers then.
+  struct Merged {
+    LandmarkId into;
+    KeyframeId observer;
+  };
+  std::map<LandmarkId, Merged> merged_into_;
   std::vector<LoopClosure> loop_closures_;  // accepted
+  std::vector<LoopClosure> other_loops_;    // provisional, rejected and withdrawn
   size_t landmark_count_ = 0;
   uint32_t component_count_ = 0;
   uint32_t epoch_ = 0;

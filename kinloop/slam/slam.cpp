@@ -1,5 +1,6 @@
 #include "kinloop/slam/slam.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "kinloop/back_end/bridge_lost_frames.hpp"
@@ -75,6 +76,7 @@ TrackedFrame Slam::process(const Frame& frame) {
   TrackedFrame tracked = tracker_.track(usable, context);
   if (compensates_first(tracked)) tracked = tracker_.track(usable, context);
   add_input_evidence(tracked);
+  if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
     insert_keyframe(tracked);
@@ -151,7 +153,12 @@ void Slam::submit_jobs(FrameId now, KeyframeId new_keyframe) {
 void Slam::insert_keyframe(TrackedFrame& tracked) {
   const ScopedTimer timer(timings_, "mapping");
   tracked.keyframe = mapper_.insert(map_, tracked, sensor());
-  if (tracked.outcome == TrackingOutcome::kNewMap) tracked.reference = tracked.keyframe;
+  if (tracked.outcome == TrackingOutcome::kNewMap) {
+    tracked.reference = tracked.keyframe;
+    visit_ = map_.keyframe(tracked.keyframe).visit;
+  } else if (visit_) {
+    map_.set_visit(tracked.keyframe, *visit_);
+  }
   places_.add(map_.keyframe(tracked.keyframe));
   keyframe_memory_.apply_limit(map_);
   map_changed_ = true;
@@ -177,7 +184,27 @@ void Slam::apply_results(const AppliedResults& results) {
   if (results.sensor) apply_sensor_estimate(*results.sensor);
   if (!results.map_changed) return;
   map_changed_ = true;
-  tracker_.update(map_, tracker_.reference());
+  if (results.T_world_keyframe_before.empty()) {
+    tracker_.update(map_, tracker_.reference());
+  } else {
+    follow_own_part(results.T_world_keyframe_before);
+  }
+}
+
+/// After components were parted: expresses the poses of frames, and that of the tracker, relative to keyframes
+/// of their own visit.
+void Slam::follow_own_part(const std::vector<SE3>& T_world_keyframe_before) {
+  log_ = with_references_of_own_visit(std::move(log_), map_, T_world_keyframe_before);
+  const KeyframeId old = tracker_.reference();
+  const auto& keyframes = map_.keyframes();
+  const auto own = std::find_if(keyframes.rbegin(), keyframes.rend(), [&](const Keyframe& keyframe) {
+    return keyframe.visit == visit_ && !keyframe.withdrawn;
+  });
+  if (!old.valid() || own == keyframes.rend() || own->component == map_.keyframe(old).component)
+    return tracker_.update(map_, old);
+  const SE3 T_own_old =
+      T_world_keyframe_before[own->id.value].inverse() * T_world_keyframe_before[old.value];
+  tracker_.update(map_, own->id, T_own_old);
 }
 
 /// Uses this sensor from now on and updates the keyframes.
@@ -207,7 +234,7 @@ void Slam::state_covariances() {
 }
 
 Trajectory Slam::finish(const Progress& progress) {
-  apply_results(back_end_.apply_remaining(job_context()));
+  apply_results(back_end_.apply_last(job_context()));
   const Stopwatch watch;
   const auto anywhere = [this](const Frame& frame) {
     auto found = relocalizer_(frame);

@@ -122,10 +122,12 @@ class Slam {
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_results(const AppliedResults& results);
+  void follow_own_part(const std::vector<SE3>& T_world_keyframe_before);
   void apply_sensor_estimate(const SensorEstimate& estimate);
   [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
   void insert_keyframe(TrackedFrame& tracked);
   void find_loops(KeyframeId keyframe);
+  void join_components(uint32_t first);
   void submit_jobs(FrameId now, KeyframeId new_keyframe = {});
   void finish_localization();
   void add_to_log(const TrackedFrame& tracked);
@@ -159,7 +161,8 @@ class Slam {
   OnlineCovariance online_covariance_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;
-  bool map_changed_ = false;  // since the last notification of the listeners
+  std::optional<uint32_t> visit_;  // in which the camera is; none before the first pose
+  bool map_changed_ = false;       // since the last notification of the listeners
 };
 
 }  // namespace kinloop

@@ -4,6 +4,7 @@
 
 #include "kinloop/back_end/refine_frames.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/loop/seek_support.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 
@@ -33,18 +34,45 @@ uint32_t Slam::add_map(SavedMap saved) {
   log_.insert(log_.end(), log.begin(), log.end());
   earlier_.frame_count = log_.size();
   front_end_ = FrontEnd(sensor(), options_.features, next_frame(log, saved.map.keyframes, shift));
+  for (LoopClosure& loop : saved.map.loop_closures) loop.reason = LoopReason::kLoaded;
   if (first) sensor_estimate_ = kinloop::sensor_estimate(saved.sensor, make_sensor(camera_, options_.noise));
   map_.append(std::move(saved.map));
   const auto end = static_cast<uint32_t>(map_.keyframes().size());
   if (end == 0) return shift;
   for (uint32_t id = begin; id < end; ++id) places_.add(map_.keyframe(KeyframeId{id}));
   keyframe_memory_.apply_limit(map_);
-  for (uint32_t id = begin; !first && id < end; ++id) {
-    find_loops(KeyframeId{id});
+  if (!first) join_components(begin);
+  return shift;
+}
+
+/// Looks for the places of the keyframes from `first` on in those before, and if that does not join them, for
+/// the places of those before in the new ones, and for support of what was found: where one recording ends,
+/// the next may begin.
+void Slam::join_components(uint32_t first) {
+  const auto count = static_cast<uint32_t>(map_.keyframes().size());
+  const auto search = [this](uint32_t begin, uint32_t end) {
+    for (uint32_t id = begin; id < end; ++id) {
+      find_loops(KeyframeId{id});
+      apply_results(back_end_.apply_remaining(job_context()));
+    }
+  };
+  search(first, count);
+  const auto are_joined = [&] {
+    return std::any_of(map_.loop_closures().begin(), map_.loop_closures().end(), [&](const LoopClosure& loop) {
+      return std::min(loop.a.value, loop.b.value) < first && std::max(loop.a.value, loop.b.value) >= first;
+    });
+  };
+  if (!are_joined()) search(0, first);
+  if (!are_joined()) {
+    const std::vector<LoopClosure> waiting = map_.other_loops();
+    for (const LoopClosure& loop : waiting) {
+      if (loop.stage != LoopStage::kProvisional) continue;
+      for (LoopVerificationProblem& problem : seek_support(map_, loop, options_.local_map))
+        back_end_.add(std::move(problem));
+    }
     apply_results(back_end_.apply_remaining(job_context()));
   }
-  places_.forget_history();
-  return shift;
+  apply_results(back_end_.apply_last(job_context()));
 }
 
 SavedMap Slam::saved_map(const std::string& input) const {
@@ -54,6 +82,11 @@ SavedMap Slam::saved_map(const std::string& input) const {
   saved.camera = camera_;
   saved.sensor = saved_sensor(sensor_estimate_);
   saved.map = map_.data();
+  // The map has been adjusted: its relative poses are better than the first measurements.
+  for (LoopClosure& loop : saved.map.loop_closures) {
+    loop.T_a_b = map_.keyframe(loop.a).T_world_camera.inverse() * map_.keyframe(loop.b).T_world_camera;
+    loop.corrected = true;
+  }
   saved.frames = saved_frames(log_);
   return saved;
 }

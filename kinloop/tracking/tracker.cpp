@@ -360,6 +360,14 @@ void Tracker::update(const Map& map, KeyframeId reference) {
   local_map_ = make_local_map(map, reference, options_.local_map);
 }
 
+void Tracker::update(const Map& map, KeyframeId reference, const SE3& T_reference_old) {
+  if (previous_) {
+    previous_->T_reference_camera = T_reference_old * previous_->T_reference_camera;
+    previous_->reference = reference;
+  }
+  update(map, reference);
+}
+
 void Tracker::set_first_velocity(const Velocity& velocity, int64_t interval_ns, const Map& map) {
   Frame frame = *previous_->frame;
   frame.features = map.keyframe(previous_->keyframe).features;

@@ -57,6 +57,10 @@ class Tracker {
   /// Rebuilds the local map around `reference`. Call after each change of the map.
   void update(const Map& map, KeyframeId reference);
 
+  /// The same where the keyframe that the previous frame is relative to, `T_reference_old` from the new one,
+  /// has become part of another component.
+  void update(const Map& map, KeyframeId reference, const SE3& T_reference_old);
+
   /// Forgets the previous frame and the local map, since their poses have turned out to be wrong.
   void reset();
 

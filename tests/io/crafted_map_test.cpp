@@ -35,7 +35,7 @@ Edit new_id(int64_t value) {
 /// Changes the keypoints of a keyframe.
 Edit features(const std::function<void(Features&)>& change) {
   return [=](int64_t&, Row& cells) {
-    auto& blob = std::get<Blob>(cells.back());
+    auto& blob = std::get<Blob>(cells[cells.size() - 2]);
     Features changed = *deserialize_features(blob.bytes);
     changed.descriptors = changed.descriptors.clone();
     change(changed);
@@ -127,7 +127,8 @@ TEST_F(CraftedMapTest, AKeyframeWithAnImpossibleValueIsLost) {
                                    cell(4, kInfinity),
                                    cell(5, 1e300),
                                    cell(7, 5.0),
-                                   cell(10, int64_t{1})};
+                                   cell(10, int64_t{1}),
+                                   cell(12, int64_t{-1})};
   for (size_t i = 0; i < edits.size(); ++i)
     EXPECT_EQ(damage_of(with(tables::kKeyframe, 3, edits[i])).keyframes, 1U) << i;
 }

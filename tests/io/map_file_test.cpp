@@ -60,7 +60,8 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_TRUE(read_file(a) == read_file(b));
 }
 
-/// Writes what an earlier version of the format held: 1 no stamps of depth, 1 and 2 no marks of doubt.
+/// Writes what an earlier version of the format held: 1 no stamps of depth, 1 and 2 no marks of doubt, 1 to 3
+/// no visits of keyframes and no support of loops.
 void write_earlier_version(const std::filesystem::path& from, int32_t version,
                            const std::filesystem::path& to) {
   namespace tables = map_tables;
@@ -71,7 +72,8 @@ void write_earlier_version(const std::filesystem::path& from, int32_t version,
         tables::kKeyframe, tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
     bool created = false;
     reader.read(table, [&](int64_t id, Row row) {
-      if (table == tables::kFrame) row.resize(row.size() - (version == 1 ? 2 : 1));
+      if (table == tables::kFrame && version < 3) row.resize(row.size() - (version == 1 ? 2 : 1));
+      if (table == tables::kKeyframe || table == tables::kLoopEdge) row.pop_back();
       if (table == tables::kKeyframe && version == 1) {
         std::string& features = std::get<Blob>(row.back()).bytes;
         features.resize(features.size() - sizeof(float));
@@ -112,6 +114,28 @@ TEST(MapFile, FilesOfVersion2AreReadWithoutMarksOfDoubt) {
   ASSERT_EQ(old.frames.size(), saved.frames.size());
   EXPECT_EQ(old.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
   for (const TrackedFrame& frame : old.frames) EXPECT_FALSE(frame.doubtful);
+}
+
+TEST(MapFile, FilesOfVersion3AreReadWithComponentsAsVisits) {
+  const test::TempFolder folder;
+  SavedMap saved = some_saved_map();
+  ASSERT_EQ(saved.map.keyframes[8].visit, 1U);
+  saved.map.keyframes[8].component = 0;  // as if joined
+  saved.map.loop_closures[0].support = 4;
+  write_map(folder.path() / "new.kinmap", saved, 0, {});
+  write_earlier_version(folder.path() / "new.kinmap", 3, folder.path() / "old.kinmap");
+  const auto [now, no_damage] = MapReader(folder.path() / "new.kinmap").read();
+  const auto [old, damage] = MapReader(folder.path() / "old.kinmap").read();
+  EXPECT_FALSE(no_damage.any()) << describe(no_damage);
+  EXPECT_FALSE(damage.any()) << describe(damage);
+  EXPECT_EQ(now.map.keyframes[8].visit, 1U);
+  EXPECT_EQ(old.map.keyframes[8].visit, 0U);
+  EXPECT_EQ(old.frames[2].doubtful, saved.frames[2].doubtful);
+  for (const auto& [map, support] : {std::pair(&now.map, 4), std::pair(&old.map, 1)}) {
+    ASSERT_EQ(map->loop_closures.size(), 1U);
+    EXPECT_EQ(map->loop_closures[0].support, support);
+    EXPECT_TRUE(map->loop_closures[0].corrected);
+  }
 }
 
 /// Replaces a table by a view.

@@ -91,8 +91,11 @@ class Loop : public testing::Test {
     return problem;
   }
 
+  /// The first loop that is verified.
   [[nodiscard]] std::optional<LoopVerificationResult> verify(const LoopVerificationProblem& problem) const {
-    return verify_loop(problem, context_);
+    auto verified = verify_loops(problem, context_);
+    if (verified.empty()) return std::nullopt;
+    return std::move(verified.front());
   }
 
   [[nodiscard]] std::optional<LoopVerificationResult> verify(
@@ -117,12 +120,9 @@ class Loop : public testing::Test {
 };
 
 TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
-  CandidateHistory history;
   std::vector<KeyframeId> found;
   for (uint32_t i = 0; i < kKeyframes; ++i) {
-    auto candidates = find_loop_candidates(built_.map, places_, KeyframeId{i}, history, {});
-    history = candidates.history;
-    found = candidates.keyframes;
+    found = find_loop_candidates(built_.map, places_, KeyframeId{i}, {});
     if (i > 20) continue;  // no revisit yet: random similarities must fail verification
     EXPECT_FALSE(verify(KeyframeId{i}, found).has_value());
   }
@@ -131,21 +131,16 @@ TEST_F(Loop, CandidatesAreFromTheStartOfTheLoop) {
 }
 
 TEST_F(Loop, PlacesThatShareLandmarksAreNoCandidates) {
-  const auto before = find_loop_candidates(built_.map, places_, KeyframeId{kKeyframes - 2}, {}, {});
-  const auto found = find_loop_candidates(built_.map, places_, last_, before.history, {});
-  ASSERT_FALSE(found.keyframes.empty());
+  const auto found = find_loop_candidates(built_.map, places_, last_, {});
+  ASSERT_FALSE(found.empty());
   LoopClosure loop;
   loop.stage = LoopStage::kVerified;
-  loop.a = found.keyframes.front();
+  loop.a = found.front();
   loop.b = KeyframeId{kKeyframes - 2};  // a neighbour of the query
   loop.evidence.inliers = 10000;
   built_.map.add_loop_closure(loop);
-  const auto again = find_loop_candidates(built_.map, places_, last_, before.history, {});
-  EXPECT_EQ(std::count(again.keyframes.begin(), again.keyframes.end(), loop.a), 0);
-}
-
-TEST_F(Loop, SingleKeyframeIsNotConsistent) {
-  EXPECT_TRUE(find_loop_candidates(built_.map, places_, last_, {}, {}).keyframes.empty());
+  const auto again = find_loop_candidates(built_.map, places_, last_, {});
+  EXPECT_EQ(std::count(again.begin(), again.end(), loop.a), 0);
 }
 
 TEST_F(Loop, VerificationFindsTheTrueMotion) {
@@ -160,6 +155,28 @@ TEST_F(Loop, VerificationFindsTheTrueMotion) {
   EXPECT_GE(loop.evidence.visible_landmarks, loop.evidence.inliers);
   EXPECT_EQ(loop.information, edge_information(loop.evidence.inliers, {}));
   EXPECT_FALSE(landmark_merges(built_.map, *verified).empty());
+  EXPECT_NEAR(loop.evidence.scale.factor, 1, 0.01);
+  EXPECT_LT(loop.evidence.scale.sigma, 0.01);
+}
+
+TEST_F(Loop, AllPlacesThatPassAreReturned) {
+  const auto verified = verify_loops(question(last_, {KeyframeId{1}, KeyframeId{15}, KeyframeId{2}}), context_);
+  ASSERT_EQ(verified.size(), 2U);
+  EXPECT_EQ(verified[0].loop.a, KeyframeId{1});
+  EXPECT_EQ(verified[1].loop.a, KeyframeId{2});
+}
+
+/// Depth that is scaled gives the same image but another size.
+TEST_F(Loop, ScaledDepthShowsInTheScale) {
+  LoopVerificationProblem loop = question(last_, {KeyframeId{1}});
+  ASSERT_EQ(loop.candidates.size(), 1U);
+  Features scaled = *loop.frame.features;
+  for (float& depth_m : scaled.depths_m) depth_m *= 0.95F;
+  for (float& depth_m : scaled.measured_depths_m) depth_m *= 0.95F;
+  loop.frame.features = std::make_shared<const Features>(std::move(scaled));
+  const auto verified = verify(loop);
+  ASSERT_TRUE(verified.has_value());
+  EXPECT_NEAR(verified->loop.evidence.scale.factor, 1 / 0.95, 0.015);
 }
 
 TEST_F(Loop, AnotherPlaceIsRejected) {
@@ -220,11 +237,18 @@ TEST_F(Loop, MatchesAgainstThePredictionAreDropped) {
 TEST_F(Loop, CorrectionDistributesTheDrift) {
   const auto verified = verify(last_, {KeyframeId{1}});
   ASSERT_TRUE(verified.has_value());
+  const LoopEnds ends{verified->loop.a, verified->loop.b};
   const LandmarkMerges merges = landmark_merges(built_.map, *verified);
   const double before_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
   built_.map.add_loop_closure(verified->loop);
-  ASSERT_TRUE(built_.map.apply(correct_loop(make_loop_correction_problem(built_.map, merges, {}), {})));
+  UnbentOdometry odometry;
+  odometry.observe(built_.map, {});
+  const auto correction =
+      correct_loop(make_loop_correction_problem(built_.map, {{ends, merges}}, odometry, {}), {});
+  EXPECT_TRUE(correction.withdrawn.empty());
+  EXPECT_EQ(correction.loops, std::vector{ends});
+  ASSERT_TRUE(built_.map.apply(correction.update));
   const double after_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
   EXPECT_GT(before_m, 0.03);
@@ -242,7 +266,8 @@ TEST_F(Loop, CorrectedLoopsEnterThePoseGraphAsTheMapHasThem) {
     built_.map.add_loop_closure(
         {KeyframeId{a}, last_, T_a_b, 7 * Matrix6d::Identity(), {30}, LoopStage::kVerified});
   }
-  const PoseGraph graph = make_pose_graph(built_.map, {}, 1);
+  built_.map.mark_corrected(std::vector<LoopEnds>{{KeyframeId{0}, last_}});
+  const PoseGraph graph = make_pose_graph(built_.map, {});
   const auto& corrected = graph.edges[graph.edges.size() - 2];
   const SE3 of_map =
       built_.map.keyframe(KeyframeId{0}).T_world_camera.inverse() * built_.map.keyframe(last_).T_world_camera;

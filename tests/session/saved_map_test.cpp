@@ -145,6 +145,23 @@ TEST(SavedMap, TwoMapsAreMerged) {
   EXPECT_EQ(slam.saved_map("").sessions.size(), 2U);
 }
 
+/// The end of one piece and the beginning of the next see the same, one or two keyframes each.
+TEST(SavedMap, AdjacentPiecesAreJoinedInBothOrders) {
+  const SavedMap first = map_of(0, kHalf), second = map_of(kHalf, kFrames);
+  for (const bool in_order : {true, false}) {
+    Slam slam(walk().camera);
+    slam.add_map(in_order ? first : second);
+    slam.add_map(in_order ? second : first);
+    slam.finish();
+    slam.map().check_invariants();
+    for (const Keyframe& keyframe : slam.map().keyframes()) EXPECT_EQ(keyframe.component, 0U) << in_order;
+    const auto ate = absolute_trajectory_error(keyframe_trajectory(slam.map(), 0), walk().truth);
+    ASSERT_TRUE(ate.has_value());
+    EXPECT_LT(ate->error_m.rmse, 0.03);
+    for (const LoopClosure& loop : slam.map().loop_closures()) EXPECT_GE(loop.support, 2);
+  }
+}
+
 TEST(SavedMap, KeyframesOfMergedMapsKeepTheirFrames) {
   SavedMap a = first_half();
   const SavedMap b = a;

@@ -12,8 +12,10 @@
 //   on_stale(solution)               keeps what the next problem needs of it
 
 #include <optional>
+#include <vector>
 
 #include "kinloop/back_end/options.hpp"
+#include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
@@ -32,8 +34,10 @@ struct JobContext {
 struct AppliedSolution {
   bool map_changed = true;
   bool loops_added = false;      ///< loop closures were added, for which the map must be corrected
-  LandmarkMerges merges = {};    ///< landmarks that those loop closures identify
+  std::vector<LoopMerges> merges = {};  ///< landmarks that those loop closures identify
   bool loops_corrected = false;  ///< the pose graph was solved with all its loops
+  /// If components were parted: T_world_camera of all keyframes before.
+  std::vector<SE3> T_world_keyframe_before = {};
   std::optional<SensorEstimate> sensor = {};  ///< set if newly estimated
 };
 

@@ -3,8 +3,17 @@
 #include <utility>
 
 namespace kinloop {
+namespace {
 
-void LoopCorrectionJob::add(const LandmarkMerges& merges) {
+std::vector<SE3> keyframe_poses(const Map& map) {
+  std::vector<SE3> T_world_keyframe;
+  for (const Keyframe& keyframe : map.keyframes()) T_world_keyframe.push_back(keyframe.T_world_camera);
+  return T_world_keyframe;
+}
+
+}  // namespace
+
+void LoopCorrectionJob::add(const std::vector<LoopMerges>& merges) {
   merges_.insert(merges_.end(), merges.begin(), merges.end());
   loops_waiting_ = true;
 }
@@ -15,26 +24,33 @@ bool LoopCorrectionJob::is_due(const JobContext& /*context*/) const {
 
 LoopCorrectionJob::Problem LoopCorrectionJob::make_problem(const JobContext& context) {
   loops_waiting_ = false;
-  loops_in_problem_ = context.map.loop_closures().size();
-  return {make_loop_correction_problem(context.map, std::exchange(merges_, {}), options_, corrected_loops_),
+  odometry_.observe(context.map, options_);
+  return {make_loop_correction_problem(context.map, std::exchange(merges_, {}), odometry_, options_),
           options_};
 }
 
-MapUpdate LoopCorrectionJob::solve(const Problem& problem) {
+LoopCorrection LoopCorrectionJob::solve(const Problem& problem) {
   return correct_loop(problem.problem, problem.options);
 }
 
-std::optional<AppliedSolution> LoopCorrectionJob::apply(Map& map, const MapUpdate& update) {
-  if (!map.apply(update)) return std::nullopt;
-  corrected_loops_ = loops_in_problem_;
-  map.advance_epoch();
+std::optional<AppliedSolution> LoopCorrectionJob::apply(Map& map, const LoopCorrection& correction) {
+  if (correction.update.epoch != map.epoch()) return std::nullopt;
   AppliedSolution applied;
   applied.loops_corrected = true;
+  if (!correction.withdrawn.empty()) {
+    const uint32_t components = map.component_count();
+    std::vector<SE3> before = keyframe_poses(map);
+    map.withdraw_loops(correction.withdrawn, LoopReason::kDoesNotFit);
+    if (map.component_count() > components) applied.T_world_keyframe_before = std::move(before);
+  }
+  map.apply(correction.update);
+  map.mark_corrected(correction.loops);
+  map.advance_epoch();
   return applied;
 }
 
-void LoopCorrectionJob::on_stale(const MapUpdate& update) {
-  merges_.insert(merges_.end(), update.merges.begin(), update.merges.end());
+void LoopCorrectionJob::on_stale(const LoopCorrection& correction) {
+  merges_.insert(merges_.end(), correction.merges.begin(), correction.merges.end());
 }
 
 }  // namespace kinloop

@@ -3,6 +3,20 @@
 #include <utility>
 
 namespace kinloop {
+namespace {
+
+/// Adds the accepted loops to the map and remembers the others.
+void carry_out(const LoopDecisions& decisions, Map& map, AppliedSolution& applied) {
+  for (const LoopVerificationResult& verified : decisions.accepted) {
+    applied.map_changed = applied.loops_added = true;
+    const LoopEnds ends{verified.loop.a, verified.loop.b};
+    applied.merges.push_back({ends, landmark_merges(map, verified)});
+    map.add_loop_closure(verified.loop);
+  }
+  for (const LoopClosure& loop : decisions.others) map.record_loop(loop);
+}
+
+}  // namespace
 
 void LoopVerificationJob::add(LoopVerificationProblem hypotheses) {
   if (!hypotheses.candidates.empty()) waiting_.push_back(std::move(hypotheses));
@@ -18,22 +32,22 @@ LoopVerificationJob::Problem LoopVerificationJob::make_problem(const JobContext&
 
 LoopVerificationJob::Solution LoopVerificationJob::solve(const Problem& problem) {
   Solution loops;
-  for (const LoopVerificationProblem& keyframe : problem.keyframes) {
-    auto verified = verify_loop(keyframe, problem.context);
-    if (verified) loops.push_back(std::move(*verified));
-  }
+  for (const LoopVerificationProblem& keyframe : problem.keyframes)
+    loops.push_back(verify_loops(keyframe, problem.context));
   return loops;
 }
 
 std::optional<AppliedSolution> LoopVerificationJob::apply(Map& map, const Solution& loops) {
-  AppliedSolution applied;
-  for (const LoopVerificationResult& verified : loops) {
-    if (map.keyframe(verified.loop.a).withdrawn || map.keyframe(verified.loop.b).withdrawn) continue;
-    applied.map_changed = applied.loops_added = true;
-    const LandmarkMerges merges = landmark_merges(map, verified);
-    applied.merges.insert(applied.merges.end(), merges.begin(), merges.end());
-    map.add_loop_closure(verified.loop);
+  AppliedSolution applied{.map_changed = false};
+  for (const auto& of_keyframe : loops) {
+    if (!of_keyframe.empty()) carry_out(hypotheses_.add(map, of_keyframe), map, applied);
   }
+  return applied;
+}
+
+AppliedSolution LoopVerificationJob::finish(Map& map) {
+  AppliedSolution applied{.map_changed = false};
+  carry_out(hypotheses_.finish(map), map, applied);
   return applied;
 }
 

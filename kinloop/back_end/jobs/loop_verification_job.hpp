@@ -1,11 +1,11 @@
 #pragma once
-// Verifies loop hypotheses geometrically and adds those that pass to the map.
+// Verifies loop hypotheses geometrically and adds those to the map in which several keyframes agree.
 
 #include <optional>
 #include <vector>
 
 #include "kinloop/back_end/jobs/job_context.hpp"
-#include "kinloop/loop/verify_loop.hpp"
+#include "kinloop/loop/hypotheses.hpp"
 
 namespace kinloop {
 
@@ -17,7 +17,7 @@ class LoopVerificationJob {
     std::vector<LoopVerificationProblem> keyframes;
     PlaceContext context;
   };
-  using Solution = std::vector<LoopVerificationResult>;
+  using Solution = std::vector<std::vector<LoopVerificationResult>>;  ///< by keyframe
 
   explicit LoopVerificationJob(const BackEndOptions& options)
       : options_{options.tracking, options.local_map, options.loop},
@@ -31,13 +31,17 @@ class LoopVerificationJob {
   [[nodiscard]] Problem make_problem(const JobContext& context);
   [[nodiscard]] static Solution solve(const Problem& problem);
   /// Never stale: a loop closure is relative to keyframes, so it stays valid when they move.
-  [[nodiscard]] static std::optional<AppliedSolution> apply(Map& map, const Solution& loops);
+  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& loops);
   void on_stale(const Solution& /*loops*/) {}
+
+  /// Decides on the loops that wait for other keyframes, when none will come.
+  AppliedSolution finish(Map& map);
 
  private:
   PlaceOptions options_;
   int lag_frames_;
   std::vector<LoopVerificationProblem> waiting_;
+  LoopHypotheses hypotheses_;
 };
 
 }  // namespace kinloop

@@ -84,6 +84,7 @@ std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
     keyframe.begins_component = row.take<int64_t>() != 0;
     keyframe.T_world_camera = take_pose(row);
     auto features = deserialize_features(row.take<Blob>().bytes);
+    keyframe.visit = row.exhausted() ? keyframe.component : take_index(row, kMaxKeyframes);  // since version 4
     if (!features || !row.exhausted()) return false;
     keyframe.features = std::make_shared<const Features>(std::move(*features));
     keyframes.emplace(static_cast<uint32_t>(id), std::move(keyframe));
@@ -100,7 +101,7 @@ KeyframeId new_id(const Renumbered& ids, KeyframeId old) {
   return found == ids.end() ? KeyframeId{} : KeyframeId{found->second};
 }
 
-/// Renumbers without gaps; if the first keyframe of a component is lost, the next one begins it.
+/// Renumbers without gaps; if the first keyframe of a visit is lost, the next one begins it.
 Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map) {
   Renumbered ids;
   std::set<uint32_t> begun;
@@ -108,8 +109,8 @@ Renumbered take_keyframes(const std::map<uint32_t, Keyframe>& raw, MapData& map)
     Keyframe keyframe = as_read;
     ids[id] = static_cast<uint32_t>(map.keyframes.size());
     keyframe.id = KeyframeId{ids[id]};
-    if (begun.insert(keyframe.component).second) keyframe.begins_component = true;
-    map.component_count = std::max(map.component_count, keyframe.component + 1);
+    if (begun.insert(keyframe.visit).second) keyframe.begins_component = true;
+    map.component_count = std::max({map.component_count, keyframe.component + 1, keyframe.visit + 1});
     map.keyframes.push_back(std::move(keyframe));
   }
   return ids;
@@ -182,6 +183,8 @@ void read_loop_closures(const DatabaseReader& file, const Renumbered& ids, MapDa
     ValueReader reader(information.bytes);
     reader.copy(loop.information.data(), static_cast<size_t>(loop.information.size()));
     loop.evidence.inliers = static_cast<int>(row.take_in<int64_t>(0, kMaxInliers));
+    if (!row.exhausted()) loop.support = static_cast<int>(row.take_in<int64_t>(1, kMaxKeyframes));
+    loop.corrected = true;
     const bool whole = reader.exhausted() && row.exhausted() && is_information(loop.information);
     if (!whole || !loop.a.valid() || !loop.b.valid() || loop.a == loop.b) return false;
     map.loop_closures.push_back(loop);

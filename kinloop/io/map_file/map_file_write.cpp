@@ -66,19 +66,20 @@ void write_camera(DatabaseWriter& file, const RgbdCamera& camera) {
 
 void write_keyframes(DatabaseWriter& file, const MapData& map) {
   file.create(tables::kKeyframe,
-              with_pose({"frame", "stamp_ns", "component", "begins_component"}, {"features"}));
+              with_pose({"frame", "stamp_ns", "component", "begins_component"}, {"features", "visit"}));
   for (size_t i = 0; i < map.keyframes.size(); ++i) {
     const Keyframe& keyframe = map.keyframes[i];
     Row row = {int64_t{keyframe.frame.value}, keyframe.stamp_ns, int64_t{keyframe.component},
                int64_t{keyframe.begins_component}};
     add_pose(row, keyframe.T_world_camera);
     row.emplace_back(Blob{serialize_features(*keyframe.features)});
+    row.emplace_back(int64_t{keyframe.visit});
     file.insert(tables::kKeyframe, static_cast<int64_t>(i), row);
   }
 }
 
 void write_loop_closures(DatabaseWriter& file, const MapData& map) {
-  file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers"}));
+  file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers", "support"}));
   int64_t id = 0;
   for (const LoopClosure& loop : map.loop_closures) {
     Row row = {int64_t{loop.a.value}, int64_t{loop.b.value}};
@@ -87,6 +88,7 @@ void write_loop_closures(DatabaseWriter& file, const MapData& map) {
     put_values(information.bytes, loop.information.data(), static_cast<size_t>(loop.information.size()));
     row.emplace_back(std::move(information));
     row.emplace_back(int64_t{loop.evidence.inliers});
+    row.emplace_back(int64_t{loop.support});
     file.insert(tables::kLoopEdge, id++, row);
   }
 }

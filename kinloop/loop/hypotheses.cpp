@@ -1,0 +1,187 @@
+#include "kinloop/loop/hypotheses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "kinloop/loop/relative_scale.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int kAgreeingKeyframes = 3;     // during the run
+constexpr int kAgreeingKeyframesAtEnd = 2;
+constexpr size_t kLead = 2;               // keyframes more than those of a place that contradicts
+
+/// The covariances of both loops and the drift between their ends: 2 to 3 % of the path, see drift.cpp.
+struct CycleBound {
+  double translation_m, rotation_rad;
+};
+
+CycleBound cycle_bound(const LoopClosure& x, const LoopClosure& y, double travelled_m) {
+  constexpr double kSigmas = 3;
+  // The information is that of x, y, z and of half the rotation angles.
+  const auto sigma_m = [](const LoopClosure& loop) { return 1 / std::sqrt(loop.information(0, 0)); };
+  const auto sigma_rad = [](const LoopClosure& loop) { return 2 / std::sqrt(loop.information(3, 3)); };
+  return {0.02 + kSigmas * std::hypot(sigma_m(x), sigma_m(y)) + 0.03 * travelled_m,
+          0.01 + kSigmas * std::hypot(sigma_rad(x), sigma_rad(y)) + 0.02 * travelled_m};
+}
+
+LoopClosure inverse(LoopClosure loop) {
+  std::swap(loop.a, loop.b);
+  loop.T_a_b = loop.T_a_b.inverse();
+  loop.evidence.scale.factor = 1 / loop.evidence.scale.factor;
+  return loop;
+}
+
+/// The other loop in the direction of the first; nullopt if they join other components.
+std::optional<LoopClosure> directed_as(const LoopClosure& x, const LoopClosure& y, const Map& map) {
+  const auto component = [&](KeyframeId id) { return map.keyframe(id).component; };
+  if (component(x.a) == component(y.a) && component(x.b) == component(y.b)) return y;
+  if (component(x.a) == component(y.b) && component(x.b) == component(y.a)) return inverse(y);
+  return std::nullopt;
+}
+
+/// The distances from the ends of a loop to all keyframes.
+struct EndDistances {
+  std::vector<double> from_a_m, from_b_m;
+
+  EndDistances(const Map& map, const LoopClosure& loop)
+      : from_a_m(travelled_distances(map, loop.a)), from_b_m(travelled_distances(map, loop.b)) {}
+};
+
+LoopRelation relate(const Map& map, const LoopClosure& x, const EndDistances& distances,
+                    const LoopClosure& other) {
+  const auto y = directed_as(x, other, map);
+  if (!y) return LoopRelation::kUnknown;
+  const double travelled_m = distances.from_a_m[y->a.value] + distances.from_b_m[y->b.value];
+  if (!std::isfinite(travelled_m)) return LoopRelation::kUnknown;
+  const auto pose = [&](KeyframeId id) { return map.keyframe(id).T_world_camera; };
+  const SE3 by_x = x.T_a_b * (pose(x.b).inverse() * pose(y->b));
+  const SE3 by_y = (pose(x.a).inverse() * pose(y->a)) * y->T_a_b;
+  const SE3 error = by_x.inverse() * by_y;
+  const CycleBound bound = cycle_bound(x, *y, travelled_m);
+  const double excess =
+      std::max(error.translation.norm() / bound.translation_m, error.angle_rad() / bound.rotation_rad);
+  constexpr double kMaxTravelled_m = 6;  // beyond, agreement says little
+  constexpr double kClearly = 2;
+  if (excess > kClearly) return LoopRelation::kContradict;
+  return excess <= 1 && travelled_m <= kMaxTravelled_m ? LoopRelation::kAgree : LoopRelation::kUnknown;
+}
+
+/// The loops that agree with one, and how many keyframes support and contradict it.
+struct Group {
+  std::vector<size_t> waiting;  ///< indices, with the loop itself
+  std::vector<size_t> rivals;   ///< waiting loops that contradict it from nearby
+  std::set<KeyframeId> keyframes, rival_keyframes;
+  std::vector<RelativeScale> scales;
+
+  [[nodiscard]] bool is_ambiguous() const {
+    return !rival_keyframes.empty() && keyframes.size() < rival_keyframes.size() + kLead;
+  }
+};
+
+Group group_of(size_t index, const std::vector<LoopVerificationResult>& waiting, const Map& map) {
+  constexpr double kNearby_m = 3;  // along the path: of the same visit
+  const LoopClosure& x = waiting[index].loop;
+  const EndDistances distances(map, x);
+  Group group;
+  const auto take = [&](const LoopClosure& y) {
+    group.keyframes.insert(y.b);
+    group.scales.push_back(directed_as(x, y, map)->evidence.scale);
+  };
+  for (size_t i = 0; i < waiting.size(); ++i) {
+    const LoopClosure& y = waiting[i].loop;
+    const LoopRelation relation = i == index ? LoopRelation::kAgree : relate(map, x, distances, y);
+    if (relation == LoopRelation::kAgree) {
+      group.waiting.push_back(i);
+      take(y);
+    } else if (relation == LoopRelation::kContradict &&
+               std::min(distances.from_a_m[y.b.value], distances.from_b_m[y.b.value]) < kNearby_m) {
+      group.rivals.push_back(i);
+      group.rival_keyframes.insert(y.b);
+    }
+  }
+  for (const LoopClosure& y : map.loop_closures()) {
+    if (distances.from_b_m[y.b.value] < kNearby_m && relate(map, x, distances, y) == LoopRelation::kAgree)
+      take(y);
+  }
+  return group;
+}
+
+bool is_usable(const Map& map, const LoopClosure& loop) {
+  return !map.keyframe(loop.a).withdrawn && !map.keyframe(loop.b).withdrawn;
+}
+
+LoopClosure as(LoopClosure loop, LoopStage stage, LoopReason reason) {
+  loop.stage = stage;
+  loop.reason = reason;
+  return loop;
+}
+
+}  // namespace
+
+LoopRelation relate(const Map& map, const LoopClosure& x, const LoopClosure& y) {
+  return relate(map, x, EndDistances(map, x), y);
+}
+
+bool fits_map(const Map& map, const LoopClosure& loop) {
+  constexpr double kMaxBend_m = 0.1, kMaxBend_rad = 0.05;
+  const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
+  if (a.component != b.component) return false;
+  const SE3 error = (a.T_world_camera.inverse() * b.T_world_camera).inverse() * loop.T_a_b;
+  return error.translation.norm() < kMaxBend_m && error.angle_rad() < kMaxBend_rad;
+}
+
+LoopDecisions LoopHypotheses::add(const Map& map, std::vector<LoopVerificationResult> verified) {
+  std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
+  const size_t first = waiting_.size();
+  for (LoopVerificationResult& result : verified) {
+    if (is_usable(map, result.loop)) waiting_.push_back(std::move(result));
+  }
+  return decide(map, first, kAgreeingKeyframes);
+}
+
+LoopDecisions LoopHypotheses::finish(const Map& map) {
+  std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
+  return decide(map, 0, kAgreeingKeyframesAtEnd);
+}
+
+/// Decides on the waiting loops from index `first` on.
+LoopDecisions LoopHypotheses::decide(const Map& map, size_t first, int required_keyframes) {
+  LoopDecisions decisions;
+  std::vector<bool> decided(waiting_.size(), false);
+  const auto reject = [&](size_t i, LoopReason reason) {
+    if (decided[i]) return;
+    decided[i] = true;
+    decisions.others.push_back(as(waiting_[i].loop, LoopStage::kRejected, reason));
+  };
+  for (size_t i = first; i < waiting_.size(); ++i) {
+    if (decided[i]) continue;
+    LoopClosure& loop = waiting_[i].loop;
+    const Group group = group_of(i, waiting_, map);
+    loop.support = static_cast<int>(group.keyframes.size());
+    const bool alone = fits_map(map, loop);
+    if (group.is_ambiguous()) {
+      decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kAmbiguous));
+    } else if (!alone && loop.support < required_keyframes) {
+      decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
+    } else if (refutes_same_place(combine(group.scales))) {
+      for (const size_t member : group.waiting) reject(member, LoopReason::kScale);
+    } else {
+      for (const size_t member : group.waiting) {
+        if (decided[member]) continue;
+        decided[member] = true;
+        waiting_[member].loop.support = loop.support;
+        waiting_[member].loop.reason = alone ? LoopReason::kFitsMap : LoopReason::kKeyframesAgree;
+        decisions.accepted.push_back(waiting_[member]);
+      }
+      for (const size_t rival : group.rivals) reject(rival, LoopReason::kDoesNotFit);
+    }
+  }
+  size_t index = 0;
+  std::erase_if(waiting_, [&](const auto&) { return decided[index++]; });
+  return decisions;
+}
+
+}  // namespace kinloop

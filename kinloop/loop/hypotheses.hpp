@@ -1,0 +1,51 @@
+#pragma once
+// Decides which verified loops become edges of the map. One pair of keyframes may look alike by chance; that
+// several keyframes of a visit measure the same relative pose to another visit is no chance. Until then the
+// map is not bent.
+
+#include <vector>
+
+#include "kinloop/loop/verify_loop.hpp"
+#include "kinloop/map/map.hpp"
+
+namespace kinloop {
+
+/// Whether two loops place one visit at the same pose relative to another.
+enum class LoopRelation {
+  kUnknown,     ///< too much drift lies between them, or they join other components
+  kAgree,       ///< within their covariances and the drift between their keyframes
+  kContradict,  ///< one of them is false
+};
+
+/// Compares two loops by the cycle along both and the map between their ends (pairwise consistency, Mangelson
+/// et al. 2018).
+LoopRelation relate(const Map& map, const LoopClosure& x, const LoopClosure& y);
+
+/// Returns whether the map predicts the measured pose within 10 cm and .05 rad, so that little bends.
+bool fits_map(const Map& map, const LoopClosure& loop);
+
+/// What has been decided.
+struct LoopDecisions {
+  std::vector<LoopVerificationResult> accepted;  ///< to be added to the map; still marked verified
+  std::vector<LoopClosure> others;               ///< provisional or rejected, with the reason
+};
+
+/// Verified loops that wait for other keyframes.
+class LoopHypotheses {
+ public:
+  /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
+  /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
+  /// whose visits differ in scale are rejected, and with a group those that contradict it.
+  LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified);
+
+  /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others stay
+  /// provisional, and wait for another run.
+  LoopDecisions finish(const Map& map);
+
+ private:
+  LoopDecisions decide(const Map& map, size_t first, int required_keyframes);
+
+  std::vector<LoopVerificationResult> waiting_;
+};
+
+}  // namespace kinloop
