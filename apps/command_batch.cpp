@@ -19,8 +19,8 @@ void start_batch(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  setenv("KINLOOP_PROGRAM", own_program().c_str(),
-         1);  // NOLINT(concurrency-mt-unsafe): no other thread is running
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread is running
+  setenv("KINLOOP_PROGRAM", own_program().c_str(), 1);
   execvp(arguments.front(), arguments.data());
   throw InputError(
       "kinloop batch needs Python 3.9 or newer, and there is no python3: apt install python3 python3-yaml");

@@ -29,15 +29,10 @@ struct ShareArguments {
   double max_size_mb = 20;
 };
 
-SavedRun read_shown(const ShareArguments& arguments) {
-  if (!is_map_file(arguments.path)) return read_saved_run(arguments.path);
-  return read_saved_map(arguments.path, make_progress_bar(arguments.quiet));
-}
-
 void share(const ShareArguments& arguments) {
   require_different_file("-o", arguments.output, arguments.path);
   require_writable_file(arguments.output);
-  SavedRun run = read_shown(arguments);
+  SavedRun run = read_shown(arguments.path, make_progress_bar(arguments.quiet));
   select_contents(run, arguments.mesh, arguments.points.has_value(), arguments.path);
   const size_t all_points = run.cloud.size();
   std::vector<KeyframeImage> images;

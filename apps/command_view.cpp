@@ -28,7 +28,7 @@ struct ViewArguments {
 class SavedRunFeed {
  public:
   explicit SavedRunFeed(const std::filesystem::path& path)
-      : run_(is_map_file(path) ? read_saved_map(path, make_progress_bar(false)) : read_saved_run(path)),
+      : run_(read_shown(path, make_progress_bar(false))),
         executor_(make_executor({.mode = ExecutorMode::kLive})) {
     executor_->submit({}, {.kind = "keyframe images", .work = [this, path]() -> Completion {
                              return [this, images = keyframe_images_of(path, run_.keyframes)] {

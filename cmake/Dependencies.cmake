@@ -26,8 +26,8 @@ add_library(kinloop_cholmod INTERFACE)
 target_include_directories(kinloop_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
 target_link_libraries(kinloop_cholmod INTERFACE ${CHOLMOD_LIBRARY})
 
-# Images: libjpeg-turbo's native interface, libdeflate, libpng for rare kinds, and OpenEXR; not all packages have CMake
-# files. OpenCV's own readers (imgcodecs) would load a hundred libraries for formats that nothing here uses.
+# Images: libjpeg-turbo's native interface, libdeflate, libpng for rare kinds, OpenEXR and libtiff; not all packages have
+# CMake files. OpenCV's own readers (imgcodecs) would load a hundred libraries for formats that nothing here uses.
 find_package(PNG REQUIRED)
 find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
 find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
@@ -35,13 +35,16 @@ find_path(LIBDEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
 find_library(LIBDEFLATE_LIBRARY deflate REQUIRED)
 find_path(OPENEXR_INCLUDE_DIR ImfInputPart.h PATH_SUFFIXES OpenEXR REQUIRED)
 find_path(IMATH_INCLUDE_DIR ImathBox.h PATH_SUFFIXES Imath OpenEXR REQUIRED)
+find_path(TIFF_INCLUDE_DIR tiffio.h REQUIRED)
+find_library(TIFF_LIBRARY tiff REQUIRED)
 find_library(OPENEXR_LIBRARY NAMES OpenEXR IlmImf REQUIRED)  # IlmImf: before version 3
 add_library(kinloop_codecs INTERFACE)
 target_include_directories(kinloop_codecs SYSTEM INTERFACE $<BUILD_INTERFACE:${TURBOJPEG_INCLUDE_DIR}>
                                                            $<BUILD_INTERFACE:${LIBDEFLATE_INCLUDE_DIR}>
+                                                           $<BUILD_INTERFACE:${TIFF_INCLUDE_DIR}>
                                                            $<BUILD_INTERFACE:${OPENEXR_INCLUDE_DIR}>
                                                            $<BUILD_INTERFACE:${IMATH_INCLUDE_DIR}>)
-target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY} PNG::PNG ${OPENEXR_LIBRARY})
+target_link_libraries(kinloop_codecs INTERFACE ${TURBOJPEG_LIBRARY} ${LIBDEFLATE_LIBRARY} PNG::PNG ${TIFF_LIBRARY} ${OPENEXR_LIBRARY})
 
 # Compressed blocks of bags.
 find_path(LZ4_INCLUDE_DIR lz4frame.h REQUIRED)

@@ -78,7 +78,7 @@ endif()
 # The static library needs the development packages of what it was built with: each owns a header or a CMake file.
 set(development_packages
     libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev libturbojpeg0-dev libdeflate-dev libpng-dev
-    libopenexr-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev libyaml-cpp-dev libspdlog-dev libfmt-dev
+    libtiff-dev libopenexr-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev libyaml-cpp-dev libspdlog-dev libfmt-dev
     nlohmann-json3-dev)
 set(part_packages
     "dlib:libdlib-dev" "openvdb:libopenvdb-dev" "octomap:liboctomap-dev" "aruco:libopencv-contrib-dev"

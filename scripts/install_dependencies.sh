@@ -11,7 +11,7 @@ set -euo pipefail
 required=(
   build-essential cmake ninja-build ccache git pkg-config
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libhwy-dev
-  libturbojpeg0-dev libdeflate-dev libpng-dev libopenexr-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev
+  libturbojpeg0-dev libdeflate-dev libpng-dev libtiff-dev libopenexr-dev libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )

@@ -10,23 +10,28 @@ bool is_map_file(const std::filesystem::path& path) {
   return path.extension() == std::filesystem::path(kMapFileName).extension();
 }
 
+void add_map(SavedRun& run, std::span<const TrackedFrame> session, const Map& map) {
+  run.doubt_ns = doubt_of(session);
+  for (const Keyframe& keyframe : map.keyframes()) {
+    run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
+  }
+  for (const LoopClosure& loop : map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
+  run.metrics["landmarks"] = map.landmark_count();
+}
+
 SavedRun saved_run_of(OpenMap& open) {
   SavedRun run;
   run.path = trajectory_of(open.session_log(0), open.map, DoubtfulPoses::kKept);
-  run.doubt_ns = doubt_of(open.session_log(0));
-  for (const Keyframe& keyframe : open.map.keyframes()) {
-    run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
-  }
-  for (const LoopClosure& loop : open.map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
-  run.metrics["landmarks"] = open.map.landmark_count();
+  add_map(run, open.session_log(0), open.map);
   run.up = open.up(0).direction;
   return run;
 }
 
-SavedRun read_saved_map(const std::filesystem::path& file, const Progress& progress) {
-  OpenMap open = open_map(file, {});
+SavedRun read_shown(const std::filesystem::path& path, const Progress& progress) {
+  if (!is_map_file(path)) return read_saved_run(path);
+  OpenMap open = open_map(path, {});
   SavedRun run = saved_run_of(open);
-  run.name = input_name(file.string());
+  run.name = input_name(path.string());
   run.cloud = open.cloud(0, hardware_threads(), progress);
   return run;
 }

@@ -74,7 +74,7 @@ TrackedFrame Slam::process(const Frame& frame) {
   const Frame usable = without_fixed_region(with_steady_depth(frame));
   const TrackingContext context{map_, sensor(), relocalizer_};
   TrackedFrame tracked = tracker_.track(usable, context);
-  if (compensates_first(tracked)) tracked = tracker_.track(usable, context);
+  if (compensate_first(tracked)) tracked = tracker_.track(usable, context);
   add_input_evidence(tracked);
   if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
   if (auto selected = select_keyframe(tracked)) {
@@ -125,7 +125,7 @@ void Slam::doubt_repeats() {
 
 /// The frame that starts a map is compensated for its motion when the next one tells it; true if that changes
 /// the map.
-bool Slam::compensates_first(const TrackedFrame& second) {
+bool Slam::compensate_first(const TrackedFrame& second) {
   const TrackedFrame* first = tracker_.previous();
   const bool known = second.is_located() && !second.is_repeat() && !second.doubtful && first != nullptr &&
                      first->outcome == TrackingOutcome::kNewMap && !second.velocity.vector().isZero(0);

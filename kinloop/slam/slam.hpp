@@ -114,7 +114,7 @@ class Slam {
   [[nodiscard]] Frame with_steady_depth(const Frame& frame);
   [[nodiscard]] Frame without_fixed_region(const Frame& frame);
   void add_input_evidence(TrackedFrame& tracked) const;
-  bool compensates_first(const TrackedFrame& second);
+  bool compensate_first(const TrackedFrame& second);
   void withdraw_fixed_region();
   [[nodiscard]] std::optional<size_t> contradicted_since() const;
   void withdraw_contradicted();

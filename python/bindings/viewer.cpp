@@ -56,13 +56,7 @@ SavedRun shown_run(Run& run, ColoredCloud cloud, Trajectory path) {
   shown.cloud = std::move(cloud);
   shown.path = std::move(path);
   shown.up = run.up().direction;
-  run.with_slam([&](const Slam& slam) {
-    shown.doubt_ns = doubt_of(slam.session_log());
-    for (const Keyframe& k : slam.map().keyframes())
-      shown.keyframes.push_back({k.stamp_ns, k.T_world_camera});
-    for (const LoopClosure& loop : slam.map().loop_closures()) shown.loops.emplace_back(loop.a, loop.b);
-    shown.metrics["landmarks"] = slam.map().landmark_count();
-  });
+  run.with_slam([&](const Slam& slam) { add_map(shown, slam.session_log(), slam.map()); });
   return shown;
 }
 
@@ -97,6 +91,13 @@ SavedRun shown_map(const py::object& object) {
   return run;
 }
 
+SavedRun shown_path(const std::filesystem::path& path) {
+  PythonProgress progress{py::none()};
+  SavedRun run = without_gil([&] { return read_shown(path, progress.function()); });
+  progress.rethrow();
+  return run;
+}
+
 bool is_path(const py::object& what) {
   return py::isinstance<py::str>(what) || py::hasattr(what, "__fspath__");
 }
@@ -110,10 +111,7 @@ SavedRun shown(const py::object& what, const char* function) {
     throw UsageError(fmt::format(
         "{}: expected a Result, a Slam, a Map, or the path of a run's folder, a map file, a cloud or a mesh",
         function));
-  const auto path = what.cast<std::filesystem::path>();
-  if (!is_map_file(path)) return without_gil([&] { return read_saved_run(path); });
-  return shown_map(
-      py::cast(without_gil([&] { return std::make_shared<PyMap>(path, std::vector<std::string>()); })));
+  return shown_path(what.cast<std::filesystem::path>());
 }
 
 std::unique_ptr<PyViewer> view(const py::object& what, uint16_t port) {

@@ -1,9 +1,9 @@
 #pragma once
 // Depth images in the formats of numbers, written by the tests, and some by the libraries of the formats.
 
+#include <cstdint>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <ImfCompression.h>
@@ -29,17 +29,26 @@ std::string opencv_yaml(const cv::Mat& image);
 /// The image as cv::imencode writes it, with a compression by its number in TIFF.
 std::string tiff(const cv::Mat& image, int compression);
 
+/// How libtiff writes a file.
+struct TiffLayout {
+  uint16_t compression = 1, predictor = 1;
+  int tile_px = 0;                             ///< 0: strips
+  const char* mode = "w";                      ///< "wb" is big-endian, "w8" BigTIFF
+  std::vector<uint32_t> kinds_of_pages = {0};  ///< the NewSubfileType of each page; all have the same pixels
+};
+
+/// The image, of 16UC1, 16SC1, 32SC1, 32FC1 or 64FC1, as libtiff writes it.
+std::string tiff_by_libtiff(const cv::Mat& image, const TiffLayout& layout);
+
 /// 16-bit PGM, which is big-endian.
 std::string pgm(const cv::Mat& image);
 
 /// 8 x 6 pixels of half floats, 0.5 + 0.25 x + y with 0 at (0, 0), as OpenEXR 3.1 wrote them.
 struct ExrSample {
   const char* compression;  ///< and what else is special
-  std::string_view hex;
+  std::string bytes;
 };
 const std::vector<ExrSample>& exr_samples();
-
-std::string from_hex(std::string_view hex);
 
 /// A depth format of the tables in docs/recordings.md: the ending of its files, and how depth is written to
 /// it.

@@ -1,9 +1,16 @@
 // Depth images in the formats of numbers: EXR, TIFF, NumPy, OpenCV's YAML.
 
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
+#include <tiffio.h>
 
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
@@ -55,9 +62,8 @@ TEST(DepthFiles, ExrIsReadAsOpenExrWritesIt) {
   expected.at<float>(0, 0) = 0;
   for (const test::ExrSample& sample : test::exr_samples()) {
     SCOPED_TRACE(sample.compression);
-    const std::string bytes = test::from_hex(sample.hex);
-    EXPECT_EQ(depth_file_size(bytes), expected.size());
-    const cv::Mat image = decode_depth_file(bytes);
+    EXPECT_EQ(depth_file_size(sample.bytes), expected.size());
+    const cv::Mat image = decode_depth_file(sample.bytes);
     ASSERT_EQ(image.type(), CV_32FC1);
     EXPECT_LE(cv::norm(image, expected, cv::NORM_INF),
               std::string_view(sample.compression) == "B44" ? kLossOfB44 : 0);
@@ -84,7 +90,7 @@ TEST(DepthFiles, ExrIsReadWhereItsBlocksAreSmallerThanTheirPixels) {
 TEST(DepthFiles, TilesOfExrThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
   std::string tiled;
   for (const test::ExrSample& sample : test::exr_samples())
-    if (std::string_view(sample.compression) == "ZIP_tiled") tiled = test::from_hex(sample.hex);
+    if (std::string_view(sample.compression) == "ZIP_tiled") tiled = sample.bytes;
   const size_t tiles = tiled.find(std::string_view("tiledesc\0", 9));
   ASSERT_NE(tiles, std::string::npos);
   const size_t columns = tiles + 9 + 4;
@@ -112,6 +118,79 @@ TEST(DepthFiles, TiffIsReadInEachCompression) {
   expect_decoded(test::tiff(converted(units, CV_64FC1), kNone), converted(units, CV_32FC1));
   EXPECT_THAT(input_error([&] { decode_depth_file(test::tiff(converted(units, CV_8UC1), kNone)); }),
               HasSubstr("a TIFF of 8 bits and 1 channels"));
+}
+
+TEST(DepthFiles, TiffIsReadInStripsAndTilesOfEveryKind) {
+  constexpr uint16_t kNone = 1, kLzw = 5, kDeflate = 8, kZstd = 50000, kLzma = 34925;
+  constexpr uint16_t kDifferences = 2, kPlanes = 3;
+  const cv::Mat units = noisy_mm(), metres = converted(units, CV_32FC1, 0.001);
+  for (const int tile_px : {0, 16, 128}) {
+    for (const char* mode : {"wl", "wb", "w8l", "w8b"}) {
+      for (const uint16_t compression : {kNone, kLzw, kDeflate}) {
+        SCOPED_TRACE(testing::Message() << tile_px << " " << mode << " " << compression);
+        test::TiffLayout layout{.compression = compression, .tile_px = tile_px, .mode = mode};
+        if (compression != kNone) layout.predictor = kDifferences;
+        expect_decoded(test::tiff_by_libtiff(units, layout), units);
+        // The planes of big-endian files are in the wrong order as libtiff 4.5 writes them.
+        const bool is_big_endian = std::string_view(mode).ends_with("b");
+        if (compression != kNone) layout.predictor = is_big_endian ? kDifferences : kPlanes;
+        expect_decoded(test::tiff_by_libtiff(metres, layout), metres);
+      }
+    }
+  }
+  for (const uint16_t compression : {kZstd, kLzma})
+    if (TIFFIsCODECConfigured(compression) != 0)
+      expect_decoded(test::tiff_by_libtiff(metres, {.compression = compression}), metres);
+  for (const int type : {CV_16SC1, CV_32SC1, CV_64FC1})
+    expect_decoded(test::tiff_by_libtiff(converted(units, type), {}), converted(units, CV_32FC1));
+}
+
+TEST(DepthFiles, TiffOfSeveralPagesIsRefusedUnlessTheyAreCopies) {
+  constexpr uint32_t kPage = 0, kReduced = 1, kMask = 4;
+  const cv::Mat units = noisy_mm();
+  expect_decoded(test::tiff_by_libtiff(units, {.kinds_of_pages = {kPage, kReduced, kMask}}), units);
+  for (const auto& kinds :
+       {std::vector{kPage, kPage}, std::vector{kPage, kReduced, kPage}, std::vector(18, kReduced)}) {
+    const std::string bytes = test::tiff_by_libtiff(units, {.kinds_of_pages = kinds});
+    EXPECT_THAT(input_error([&] { decode_depth_file(bytes); }), HasSubstr("a TIFF of several pages"));
+    EXPECT_THAT(input_error([&] { depth_file_size(bytes); }), HasSubstr("a TIFF of several pages"));
+  }
+}
+
+/// Replaces the value of a tag of the first page of a little-endian TIFF file, or its offset if it is long.
+std::string with_tag(std::string bytes, uint16_t tag, uint32_t value) {
+  uint32_t directory = 0;
+  std::memcpy(&directory, &bytes[4], sizeof directory);
+  for (size_t entry = directory + 2;; entry += 12) {
+    if (entry + 12 > bytes.size()) throw std::logic_error("no such tag");
+    if (std::memcmp(&bytes[entry], &tag, sizeof tag) != 0) continue;
+    std::memcpy(&bytes[entry + 8], &value, sizeof value);
+    return bytes;
+  }
+}
+
+TEST(DepthFiles, CraftedTiffEndsWithAMessage) {
+  constexpr uint16_t kWidth = 256, kCompression = 259, kStripOffsets = 273, kRowsPerStrip = 278,
+                     kTileWidth = 322, kTileOffsets = 324;
+  constexpr uint32_t kPixarLog = 32909, kFar = 0x7fffffff;
+  const cv::Mat units = noisy_mm();
+  const std::string strips = test::tiff_by_libtiff(units, {.mode = "wl"}),
+                    tiles = test::tiff_by_libtiff(units, {.tile_px = 16, .mode = "wl"});
+  const auto error = [&](const std::string& bytes) { return input_error([&] { decode_depth_file(bytes); }); };
+  EXPECT_THAT(error(with_tag(strips, kWidth, 40000)), HasSubstr("an image of 40000 x 41 pixels"));
+  EXPECT_THAT(error(with_tag(tiles, kTileWidth, 40000)), HasSubstr("an image of 40000 x 16 pixels"));
+  EXPECT_THAT(error(with_tag(strips, kCompression, kPixarLog)), HasSubstr("compression 32909"));
+  for (const std::string& bytes : {with_tag(strips, kWidth, 2000), with_tag(strips, kRowsPerStrip, 0),
+                                   with_tag(strips, kStripOffsets, kFar), with_tag(tiles, kTileOffsets, kFar),
+                                   strips.substr(0, strips.size() / 2), std::string("II*\0", 4)})
+    EXPECT_THAT(error(bytes), HasSubstr("the TIFF file is damaged or truncated; copy it again"));
+  std::string loop = test::tiff_by_libtiff(units, {.mode = "wl", .kinds_of_pages = {1}});
+  uint32_t directory = 0;
+  uint16_t count = 0;
+  std::memcpy(&directory, &loop[4], sizeof directory);
+  std::memcpy(&count, &loop[directory], sizeof count);
+  std::memcpy(&loop[directory + 2 + 12 * size_t{count}], &directory, sizeof directory);  // it follows itself
+  EXPECT_THAT(error(loop), HasSubstr("damaged"));
 }
 
 TEST(DepthFiles, TiffIsReadInEitherByteOrder) {

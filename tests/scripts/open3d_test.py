@@ -11,7 +11,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from program import kinloop
+from program import SMALL, kinloop
 
 try:
     import numpy as np
@@ -20,7 +20,6 @@ except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
 
-SMALL = ("--set", "sim.frames=40", "--set", "sim.width=320", "--set", "sim.height=240")
 ROUNDED_M = 1e-4  # of text files
 MAX_MEDIAN_M, MAX_95_M = 0.015, 0.06  # voxels of 10 mm, single depth images against their fusion
 

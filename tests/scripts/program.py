@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 PROGRAM = sys.argv[1]
+SMALL = ("--set", "sim.frames=40", "--set", "sim.width=320", "--set", "sim.height=240")  # for sim:room
 
 
 def kinloop(*arguments):

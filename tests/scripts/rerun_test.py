@@ -15,7 +15,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from program import PROGRAM, kinloop
+from program import PROGRAM, SMALL, kinloop
 
 # Without the package around it, which needs the compiled module.
 sys.path.insert(0, str(Path(__file__).parents[2] / "python/kinloop"))
@@ -31,7 +31,6 @@ except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
 
-SMALL = ("--set", "sim.frames=40", "--set", "sim.width=320", "--set", "sim.height=240")
 FLOAT_M = 1e-5  # float32 of Rerun
 MAX_MEDIAN_M = 0.015  # voxels of 10 mm, a single depth image against their fusion
 CAMERA, CLOUD = "/world/run/camera", "/world/cloud"

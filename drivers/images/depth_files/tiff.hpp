@@ -7,12 +7,13 @@
 
 namespace kinloop {
 
-/// Returns the size of the first image. Throws InputError if the header is damaged.
+/// Returns the size of the image. Throws as decode_tiff does.
 cv::Size tiff_size(std::string_view bytes);
 
-/// Decodes the first image: of uint16 to 16UC1, of int16, uint32, int32, float or double to 32FC1; in strips
-/// or tiles, not compressed or by LZW, Deflate or PackBits, with any predictor; of either byte order. Throws
-/// InputError for anything else.
+/// Decodes an image of uint16 to 16UC1, of int16, uint32, int32, float or double to 32FC1; in strips or
+/// tiles, of either byte order, also of BigTIFF; not compressed or by LZW, Deflate, PackBits, Zstandard or
+/// LZMA. uint32 of 2^31 and more are negative. Reduced copies of the image are skipped. Throws InputError
+/// for anything else: a second page, other pixels, other compressions, damaged files.
 cv::Mat decode_tiff(std::string_view bytes);
 
 }  // namespace kinloop

@@ -73,16 +73,17 @@ std::optional<double> DisparitySteps::per_m() const {
   // Steps of the same size everywhere, over z^2, may agree from one distance to the next, but differ by a
   // factor of two from there to the one after.
   constexpr size_t kApart = 2;
+  std::vector<size_t> distances;  // those that have a peak
   std::vector<double> peaks_per_m;
-  for (const Histogram& histogram : histograms_) {
-    if (const auto peak = histogram.peak_per_m()) peaks_per_m.push_back(*peak);
+  for (size_t i = 0; i < kDistances; ++i) {
+    const auto peak = histograms_[i].peak_per_m();
+    if (peak) distances.push_back(i), peaks_per_m.push_back(*peak);
   }
   const double middle = median(peaks_per_m);
   size_t agree = 0, first = kDistances, last = 0;
-  for (size_t i = 0; i < kDistances; ++i) {
-    const auto peak = histograms_[i].peak_per_m();
-    if (!peak || std::max(*peak / middle, middle / *peak) > kSame) continue;
-    ++agree, first = std::min(first, i), last = i;
+  for (size_t i = 0; i < distances.size(); ++i) {
+    if (std::max(peaks_per_m[i] / middle, middle / peaks_per_m[i]) > kSame) continue;
+    ++agree, first = std::min(first, distances[i]), last = distances[i];
   }
   const bool most = static_cast<double>(agree) > kMostAgree * static_cast<double>(peaks_per_m.size());
   return most && last >= first + kApart ? std::optional(middle) : std::nullopt;

@@ -111,7 +111,7 @@ std::string_view image_damage(std::string_view bytes) {
     constexpr int kCmyk = 4;
     return jpeg_components(bytes) == kCmyk ? "a CMYK image; convert it to RGB" : jpeg_damage(bytes);
   }
-  if (is_tiff(bytes)) return "a TIFF image; convert it to PNG";
+  if (is_tiff(bytes) || is_big_tiff(bytes)) return "a TIFF image; convert it to PNG";
   return "neither a PNG nor a JPEG image";
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// In: the bytes of a TIFF file, or of an EXIF block, which is one. Out: its numbers, in its own byte order.
+// In: the bytes of an EXIF block, which is a TIFF file. Out: its numbers, in its own byte order.
 
 #include <bit>
 #include <cstdint>
@@ -16,6 +16,11 @@ inline bool is_tiff(std::string_view bytes) {
   return bytes.starts_with(std::string_view("II*\0", 4)) || bytes.starts_with(std::string_view("MM\0*", 4));
 }
 
+/// Returns whether the bytes begin like a BigTIFF file, which has 64-bit offsets.
+inline bool is_big_tiff(std::string_view bytes) {
+  return bytes.starts_with(std::string_view("II+\0", 4)) || bytes.starts_with(std::string_view("MM\0+", 4));
+}
+
 /// Throws InputError beyond the end.
 class TiffBytes {
  public:
@@ -24,7 +29,7 @@ class TiffBytes {
 
   [[nodiscard]] std::string_view block(uint64_t at, uint64_t size) const {
     if (at > bytes_.size() || size > bytes_.size() - at)
-      throw InputError("the TIFF file is truncated; copy it again");
+      throw InputError("an EXIF block is truncated");
     return bytes_.substr(static_cast<size_t>(at), static_cast<size_t>(size));
   }
 
@@ -34,9 +39,6 @@ class TiffBytes {
     std::memcpy(&value, block(at, sizeof(Number)).data(), sizeof(Number));
     return is_swapped_ ? byte_swapped(value) : value;
   }
-
-  /// Whether the file has the other byte order than this machine.
-  [[nodiscard]] bool is_swapped() const { return is_swapped_; }
 
  private:
   std::string_view bytes_;

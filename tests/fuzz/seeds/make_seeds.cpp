@@ -168,8 +168,7 @@ void add_depth(const Corpus& corpus) {
     corpus.add("depth_encodings", name, '\3' + size + format.write(depth));
   }
   for (const test::ExrSample& sample : test::exr_samples())
-    corpus.add("depth_encodings", std::string("exr_") + sample.compression,
-               '\3' + size + test::from_hex(sample.hex));
+    corpus.add("depth_encodings", std::string("exr_") + sample.compression, '\3' + size + sample.bytes);
   corpus.add("depth_encodings", "raw", '\4' + size + raw);
   corpus.add("depth_encodings", "float", '\6' + size + raw + raw);
   corpus.add("depth_encodings", "numpy",
