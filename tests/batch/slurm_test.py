@@ -16,7 +16,8 @@ for last; do :; done
 count=$(sed -n 's/#SBATCH --array=1-//p' "$last")
 (
   for i in $(seq "$count"); do
-    [ -e FOLDER/cancelled ] || [ $i = "$LEFT_OUT" ] || SLURM_ARRAY_TASK_ID=$i sh "$last"
+    [ -e FOLDER/cancelled ] || [ $i = "$LEFT_OUT" ] || {
+      SLURM_ARRAY_TASK_ID=$i sh "$last" & echo $! > FOLDER/task; wait; }
   done; touch FOLDER/ended ) > FOLDER/log 2>&1 &
 echo "4711;cluster"
 """
@@ -25,7 +26,7 @@ SQUEUE = """#!/bin/sh
 [ -e FOLDER/down ] && { rm FOLDER/down; echo "slurm_load_jobs error: Unable to contact slurm controller" >&2; exit 1; }
 [ -e FOLDER/ended ] || echo "4711_1 running"
 """
-SCANCEL = "#!/bin/sh\necho $1 > FOLDER/cancelled\n"
+SCANCEL = "#!/bin/sh\necho $1 > FOLDER/cancelled\nkill $(cat FOLDER/task)\n"
 
 
 class Slurm(BatchTest):
@@ -70,12 +71,18 @@ class Slurm(BatchTest):
         self.assertFalse((self.folder / "down").exists())
 
     def test_a_job_that_ends_without_all_results_is_an_error_and_the_rest_is_in_the_table(self):
-        with unittest.mock.patch.dict(os.environ, {"LEFT_OUT": "2"}):
-            output = self.submit("--slurm", "", "--shards", 2, expect=3)
+        self.run_suite(SUITE.replace("SLEEP", "0").replace("1..5", "1..3"))
+        with unittest.mock.patch.dict(os.environ, {"LEFT_OUT": "1"}):
+            output = self.submit("--slurm", "", "--shards", 1, expect=3)
         self.assertIn("slurm job 4711 has ended, and 2 runs have no result", output)
         self.assertEqual(sorted(row["status"] for row in self.rows()), ["done"] * 3 + ["not run"] * 2)
         (self.folder / "ended").unlink()
         self.assertIn("5 runs, 2 to do", self.submit("--slurm", "", "--shards", 1))
+
+    def test_the_runs_of_a_task_that_never_starts_are_done_by_the_others(self):
+        with unittest.mock.patch.dict(os.environ, {"LEFT_OUT": "2"}):
+            self.assertIn("5 done", self.submit("--slurm", "", "--shards", 2))
+        self.assertEqual(len(self.calls()), 5)
 
     def test_ctrl_c_cancels_the_job(self):
         suite = self.write("suite.yaml", SUITE.replace("SLEEP", "0.5"))

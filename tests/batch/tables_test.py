@@ -8,7 +8,9 @@ import unittest
 import yaml
 from support import BatchTest
 
+from kinloop.batch.durations import Durations, by_size, image_pixels, pixels_of_files
 from kinloop.batch.statistics import area_under_curve, bootstrap_ratio, summarise_sequences, summarise_variants
+from kinloop.batch.workers import longest_first, shard_of
 
 TWO = "sequences: [{path: 'sim:room:1..3', dataset: rooms}]\nseeds: [1, 2, 3]\nvariants: {a: , b_c: {arguments: [--no-loop]}}\n"
 
@@ -192,6 +194,60 @@ class OtherSystems(BatchTest):
             "sequences: [sim:room]\nvariants: {peer: {command: 'x {recording}'}}", expect=3))  # fmt: skip
 
 
+class Order(BatchTest):
+    """Longest first."""
+
+    def plan(self, suite):
+        from kinloop.batch.store import Store
+
+        self.batch("plan", self.write("suite.yaml", suite), "-o", self.results, "--program", self.program)
+        return longest_first(Store(self.results).read_plan()[1])
+
+    def test_the_pixels_of_an_image_are_in_its_header(self):
+        png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + (640).to_bytes(4, "big") + (480).to_bytes(4, "big")
+        start = b"\xff\xc0\0\x11\x08" + (968).to_bytes(2, "big") + (1296).to_bytes(2, "big")
+        jpeg = b"\xff\xd8\xff\xe0\0\x10JFIF\0\1\1\0\0\1\0\1\0\0" + start
+        for name, data, pixels in (("a.png", png, 640 * 480), ("b.jpg", jpeg, 1296 * 968), ("c.jpg", jpeg[:25], None), ("d.png", b"", None)):
+            (self.folder / name).write_bytes(data)
+            self.assertEqual(image_pixels(self.folder / name), pixels, name)
+        files = [(self.folder / "a.png", 9), (self.folder / "b.jpg", 9)] * 10
+        self.assertEqual(pixels_of_files(sorted(files)), 10 * 1296 * 968)
+        self.assertEqual(pixels_of_files([("room.bag", 3_000_000)]), 2_000_000)
+
+    def test_more_frames_and_larger_images_are_expected_to_take_longer(self):
+        jobs = self.plan("sequences: [sim:room]\nvariants:\n  short: {set: {sim.frames: 20}}\n  whole:\n"
+                         "  small: {set: {sim.width: 160, sim.height: 120}}\n  turns: {set: {sim.seconds: 40}}\n")  # fmt: skip
+        self.assertEqual([job.variant for job in jobs], ["turns", "whole", "small", "short"])
+        for option in ("nan", "x", "inf"):
+            self.assertGreater(by_size(type("R", (), {"path": "sim:room"}), {"sim.frames": option}, 1), 100)
+
+    def test_a_recording_with_more_images_comes_first_and_one_of_which_nothing_is_known_last(self):
+        for name, images in (("some", 2), ("none", 0), ("many", 9)):
+            for i in range(images):
+                self.write(f"{name}/rgb/{i}.png", "x")
+                self.write(f"{name}/depth/{i}.png", "x")
+            self.write(f"{name}/rgb.txt", "")
+        self.assertEqual([job.sequence for job in self.plan("sequences: [none, some, many]")], ["many", "some", "none"])
+
+    def test_earlier_results_of_the_sequence_decide_and_correct_the_others(self):
+        class Job:
+            def __init__(self, sequence, variant):
+                self.dataset, self.sequence, self.variant, self.expected_s = "d", sequence, variant, 10.0
+
+        jobs = [Job("s", "a"), Job("s", "b"), Job("t", "a")]
+        rows = [row("s", 0.1, cpu_s=3.0), row("s", 0.1, cpu_s=5.0), row("s", 0.1, "c", cpu_s=40.0), row("s", None, cpu_s=None)]
+        Durations(rows).set_expected(jobs)
+        self.assertEqual([job.expected_s for job in jobs], [4, 5, 4.5])  # of the variant; of the sequence; by size, scaled
+        Durations().set_expected(jobs)
+        self.assertEqual([job.expected_s for job in jobs], [4, 5, 4.5])
+
+    def test_the_longest_of_the_last_batch_starts_first_in_the_next(self):
+        self.run_suite("sequences: ['sim:room:1..6']")
+        cpu_s = {row["sequence"]: row["cpu_s"] for row in self.rows()}
+        jobs = self.plan("sequences: ['sim:room:1..6']\nvariants: {default: {arguments: [--no-loop]}}")
+        self.assertEqual([job.sequence for job in jobs], sorted(cpu_s, key=lambda name: -cpu_s[name]))
+
+
 class Shards(BatchTest):
     def test_shards_do_all_runs_once_and_give_the_same_table(self):
         text = "sequences: ['sim:room:1..7']\nseeds: [1, 2]\n"
@@ -207,15 +263,31 @@ class Shards(BatchTest):
         self.assertEqual(self.table(), self.table(self.folder / "whole"))
         self.assertEqual(len(self.calls()) - calls, 14)
 
-    def test_large_recordings_are_dealt_evenly(self):
-        from kinloop.batch.workers import shard_of
+    def test_a_shard_that_helps_others_leaves_nothing_and_repeats_nothing(self):
+        suite = self.write("suite.yaml", "sequences: ['sim:room:1..7']\nvariants: {a: {set: {fake.sleep: 0.05}}}\n")
+        self.batch("plan", suite, "-o", self.results, "--program", self.program, "--shards", 3)
+        first = self.start("shard", "1/3", self.results, "--help-others")
+        self.batch("shard", "2/3", self.results, "--help-others")
+        self.assertEqual(first.wait(60), 0)
+        first.stderr.close()
+        self.batch("table", self.results)
+        self.assertEqual([row["status"] for row in self.rows()], ["done"] * 7)
+        self.assertEqual(len(self.calls()), 7)
 
+    def test_long_runs_are_dealt_evenly_and_each_to_one_shard(self):
         class Job:
-            def __init__(self, number):
-                self.key, self.bytes = str(number), number % 10
+            def __init__(self, number, expected_s):
+                self.key, self.expected_s = str(number), expected_s
 
-        shards = [shard_of([Job(i) for i in range(100)], i, 10) for i in range(1, 11)]
-        self.assertEqual([sum(job.bytes for job in shard) for shard in shards], [45] * 10)
+        def loads(expected):
+            jobs = [Job(i, seconds) for i, seconds in enumerate(expected)]
+            shards = [shard_of(jobs, i, 10) for i in range(1, 11)]
+            self.assertEqual(sorted(int(job.key) for shard in shards for job in shard), list(range(len(jobs))))
+            return [sum(job.expected_s for job in shard) for shard in shards], [len(shard) for shard in shards]
+
+        self.assertEqual(loads([i % 10 for i in range(100)])[0], [45] * 10)
+        self.assertEqual(loads([0] * 100)[1], [10] * 10)
+        self.assertEqual(max(loads([50] + [1] * 450)[0]), 50)  # dealt like cards, the long one would come on top
 
     def test_wrong_shards_are_refused(self):
         for shard in ("0/3", "4/3", "1", "a/b", "1/0", "1/3/5"):
@@ -234,7 +306,7 @@ class Shards(BatchTest):
         self.assertEqual((job["spec"]["completionMode"], job["spec"]["completions"]), ("Indexed", 2))
         script = job["spec"]["template"]["spec"]["containers"][0]["args"][0].replace("exec ", "printf '%s\\n' ", 1)
         words = subprocess.run(["sh", "-c", script], env={"JOB_COMPLETION_INDEX": "1"}, capture_output=True, text=True, check=True)
-        self.assertEqual(words.stdout.splitlines(), [str(self.program.resolve()), "batch", "shard", "2/2", str(self.results)])
+        self.assertEqual(words.stdout.splitlines(), [str(self.program.resolve()), "batch", "shard", "2/2", str(self.results), "--help-others"])
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from .cgroup import enter_leaf
 from .cluster import run_by_slurm, write_scripts
 from .command_line import Parser, number_from
 from .compare import REGRESSION_EXIT_CODE, Thresholds, compare, read_summaries
+from .durations import Durations
 from .errors import BatchError, Unfinished, UsageError
 from .execute import execute, verify
 from .jobs import Job, Planner
@@ -20,7 +21,7 @@ from .recordings import find_recordings
 from .report import write_report
 from .store import Heartbeat, Store
 from .suite import read_suite
-from .workers import end_with_parent, run_by_dask, run_locally, shard_of, stopping_by_signals, unfinished, without_repetition
+from .workers import end_with_parent, help_others, run_by_dask, run_locally, shard_of, stopping_by_signals, unfinished, without_repetition
 
 MAX_WORKERS = 10_000
 VERIFY_EXIT_CODE = REGRESSION_EXIT_CODE
@@ -37,6 +38,7 @@ def plan_of(arguments):
     program = find_program(arguments.program or os.environ.get("KINLOOP_PROGRAM", "kinloop"))
     store = Store(arguments.output).create()
     jobs = Planner(suite, program).jobs(find_recordings(suite, store.inputs, program))
+    Durations.of_results(store).set_expected(jobs)
     store.write_plan(suite.name, jobs)
     return suite, jobs, store, program
 
@@ -143,6 +145,7 @@ def shard_parser():
     parser.add_text("SHARD", "which part of how many, e.g. 3/100")
     parser.add_text("RESULTS", "folder of the results of kinloop batch plan")
     parser.add_option("--workers", metavar="N", kind=number_from(1, MAX_WORKERS), default=1, text="runs at a time")
+    parser.add_flag("--help-others", text="then do what the other shards have not begun")
     return parser
 
 
@@ -156,6 +159,8 @@ def do_shard(arguments):
     todo = unfinished(shard_of(jobs, number, count), store.create())
     say(arguments, f"shard {number} of {count}: {len(todo)} runs to do")
     run_locally(todo, store, arguments.workers, Progress(len(todo), arguments.quiet))
+    if arguments.help_others:
+        help_others(jobs, store, arguments.workers)
 
 
 # kinloop batch table, verify, compare

@@ -65,6 +65,9 @@ class Parser(argparse.ArgumentParser):
     def add_option(self, *flags, metavar, text, kind=str, default=None):
         self.add_argument(*flags, metavar=metavar, help=text, type=kind, default=default)
 
+    def add_flag(self, flag, text):
+        self.add_argument(flag, action="store_true", help=text)
+
     def parse(self, words):
         """Returns the arguments. Throws UsageError that names what is wrong, and the closest known option."""
         arguments, left = self.parse_known_args(words)

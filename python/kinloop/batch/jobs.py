@@ -8,6 +8,7 @@ import shutil
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from .durations import by_size
 from .errors import BatchError
 from .files import hash_of_file, hash_of_value
 from .program import default_options, identity_of, number_or_text, options_in_effect
@@ -21,7 +22,8 @@ MAX_JOBS = 1_000_000
 class Job:
     """A run. `key` is the hash of `identity`; the rest does not change the result. `words`: the command line, with
     {output} for the folder of the run and {prepared} for the recording that `prepare` writes; empty if a trajectory is
-    only scored. `prepare`: the command line that writes its changed recording to {output}; usually empty."""
+    only scored. `prepare`: the command line that writes its changed recording to {output}; usually empty. `expected_s`:
+    about the CPU time, by which runs are put in order."""
 
     key: str
     sequence: str
@@ -37,7 +39,7 @@ class Job:
     time_s: float
     memory_mib: int
     keep: list
-    bytes: int
+    expected_s: float
     identity: dict = field(default_factory=dict)
     prepare: list = field(default_factory=list)
 
@@ -82,7 +84,7 @@ class Planner:
             raise BatchError(f"variant {variant.name}: {recording.name} is no file; write the room with kinloop simulate first")
         return Job(hash_of_value(identity)[:32], recording.name, recording.dataset, variant.name, seed, kind, self.program,
                    words, recording.path, truth, external, self.suite.time_s, self.suite.memory_mib, self.suite.keep,
-                   recording.bytes, identity, prepare)  # fmt: skip
+                   by_size(recording, variant.options, variant.every), identity, prepare)  # fmt: skip
 
     def _run(self, path, recording, variant, seed):
         options = variant.options | {"seed": str(seed)}

@@ -10,6 +10,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from .durations import pixels_of_files
 from .errors import BatchError
 from .files import hash_of_file, hash_of_value, make_folder, read_json, write_json
 
@@ -20,7 +21,8 @@ DATASET_NAME = re.compile(r"(tum|eth3d|icl|7scenes|bonn|replica|scannet|openlori
 
 @dataclass
 class Recording:
-    """`path` is what `kinloop run` opens; `identity` goes into the key of a run."""
+    """`path` is what `kinloop run` opens; `identity` goes into the key of a run. `pixels`: of all its frames, about; 0 if it
+    is simulated."""
 
     name: str
     dataset: str
@@ -28,7 +30,7 @@ class Recording:
     camera: str
     truth: str
     identity: dict
-    bytes: int
+    pixels: float
 
 
 def is_url(pattern):
@@ -46,21 +48,21 @@ class Hashes:
         self.folder = make_folder(folder)
 
     def of(self, path):
-        """Returns the hash of the names and bytes below `path`, and their size."""
+        """Returns the hash of the names and bytes below `path`, and (path, size in bytes) of each file."""
         path = Path(path)
         cache = self.folder / (hash_of_value(str(path))[:32] + ".json")
         known = read_json(cache) or {}
-        now, parts, size = {}, [], 0
+        now, parts, sizes = {}, [], []
         for file, name in self._files(path):
             state = os.stat(file)
             stamp = [state.st_size, state.st_mtime_ns, state.st_ino]
             old = known.get(name)
             now[name] = old if old and old[:3] == stamp else [*stamp, hash_of_file(file)]
             parts.append([name, now[name][3]])
-            size += state.st_size
+            sizes.append((file, state.st_size))
         if now != known:
             write_json(cache, now)
-        return hash_of_value(parts), size
+        return hash_of_value(parts), sizes
 
     @staticmethod
     def _files(path):
@@ -150,9 +152,10 @@ def find_recordings(suite, inputs, program):
         truth = os.path.normpath(os.path.join(suite.folder, sequence.truth)) if sequence.truth else ""
         for path in [sequence.pattern] if is_simulated(sequence.pattern) else _paths(sequence, suite.folder, Path(inputs), program):
             if is_simulated(sequence.pattern):
-                name, dataset, identity, size = path, "simulated", {"simulated": path, "camera": ""}, 0
+                name, dataset, identity, pixels = path, "simulated", {"simulated": path, "camera": ""}, 0.0
             else:
-                digest, size = hashes.of(path)
+                digest, files = hashes.of(path)
+                pixels = pixels_of_files(files)
                 # The name of a folder may tell the camera (rgbd_dataset_freiburg1_room).
                 name, dataset = path.name, path.parent.name
                 identity = {"name": path.name, "sha256": digest, "camera": "" if camera else camera_of(path, program)}
@@ -160,7 +163,7 @@ def find_recordings(suite, inputs, program):
                 identity["camera"] = camera_identity
             if truth:
                 identity["truth"] = hashes.of(truth)[0] if os.path.exists(truth) else ""
-            recordings.append(Recording(sequence.name or name, sequence.dataset or dataset, str(path), camera, truth, identity, size))
+            recordings.append(Recording(sequence.name or name, sequence.dataset or dataset, str(path), camera, truth, identity, pixels))
     _check_names(recordings)
     return recordings
 

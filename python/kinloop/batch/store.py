@@ -161,6 +161,10 @@ class Store:
             raise cannot_write(claim.path, error) from None
         return claim
 
+    def claimed(self):
+        """The keys of all runs that are claimed, also by owners that are gone."""
+        return {name.split(".")[0] for name in os.listdir(self.claims)}
+
     def _last_claim(self, key):
         numbers = [int(path.suffix[1:]) for path in self.claims.glob(f"{key}.*") if path.suffix[1:].isdigit()]
         return max(numbers, default=None)

@@ -5,6 +5,7 @@ starts this package on the worker as a process, too, so that a worker needs only
 under the same paths."""
 
 import concurrent.futures
+import heapq
 import json
 import os
 import signal
@@ -21,6 +22,7 @@ from .store import Heartbeat
 PACKAGE = str(Path(__file__).resolve().parent)
 POLL_S = 0.5
 TASK_RETRIES = 5
+SHORTEST_S = 1e-3  # of an expected time, so that jobs of which nothing is known are dealt evenly
 CONNECT_PATIENCE = "10s"
 
 
@@ -38,8 +40,8 @@ def stopping_by_signals():
 
 
 def longest_first(jobs):
-    """The order in which to start jobs: large recordings first, so that none is left for the end."""
-    return sorted(jobs, key=lambda job: -job.bytes)
+    """The order in which to start jobs, so that no long one is left for the end."""
+    return sorted(jobs, key=lambda job: -job.expected_s)
 
 
 def without_repetition(jobs):
@@ -112,7 +114,7 @@ def run_by_dask(jobs, store, address, progress, say):
     with stopping_by_signals() as stop, client:
         say(f"dashboard {client.dashboard_link}")
         tasks = [client.submit(subprocess.call, command_of_task(job, store), key=f"kinloop-{job.key}", pure=False,
-                               retries=TASK_RETRIES) for job in longest_first(jobs)]  # fmt: skip
+                               retries=TASK_RETRIES, priority=job.expected_s) for job in longest_first(jobs)]  # fmt: skip
         _wait_for_tasks(distributed, tasks, store, progress, stop)
 
 
@@ -134,8 +136,41 @@ def _wait_for_tasks(distributed, tasks, store, progress, stop):
 
 
 def shard_of(jobs, number, count):
-    """The jobs of shard `number` (from 1) of `count`: dealt like cards, the large ones first."""
-    return longest_first(without_repetition(jobs))[number - 1 :: count]
+    """The jobs of shard `number` (from 1) of `count`: each job, the longest first, goes to the shard with the least to do.
+    Depends on the plan only, so that all shards agree."""
+    loads, own = [(0.0, shard) for shard in range(1, count + 1)], []
+    for job in longest_first(without_repetition(jobs)):
+        load, shard = loads[0]
+        heapq.heapreplace(loads, (load + max(job.expected_s, SHORTEST_S), shard))
+        if shard == number:
+            own.append(job)
+    return own
+
+
+def help_others(jobs, store, workers):
+    """Does, with `workers` threads, what other shards have not begun. Returns when somebody is at work on each job that is
+    left."""
+    with stopping_by_signals() as stop, Heartbeat() as heartbeat, concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        futures = [pool.submit(_help, jobs, store, stop, heartbeat) for _ in range(workers)]
+        try:
+            for future in concurrent.futures.as_completed(futures):
+                future.result()
+        except BaseException:
+            stop.set()
+            raise
+
+
+def _help(jobs, store, stop, heartbeat):
+    jobs, helped = longest_first(without_repetition(jobs)), True
+    while helped:
+        helped = any(_unless_stopped(job, store, stop, heartbeat) for job in _free_first(jobs, store))
+
+
+def _free_first(jobs, store):
+    """The unfinished jobs, those that are claimed at the end: their owners may be gone."""
+    done, claimed = store.finished(), store.claimed()
+    left = [job for job in jobs if job.key not in done]
+    return [job for job in left if job.key not in claimed] + [job for job in left if job.key in claimed]
 
 
 def end_with_parent():
