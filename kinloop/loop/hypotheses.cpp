@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "kinloop/loop/compare_visits.hpp"
 #include "kinloop/loop/relative_scale.hpp"
 
 namespace kinloop {
@@ -133,22 +134,35 @@ bool fits_map(const Map& map, const LoopClosure& loop) {
   return error.translation.norm() < kMaxBend_m && error.angle_rad() < kMaxBend_rad;
 }
 
-LoopDecisions LoopHypotheses::add(const Map& map, std::vector<LoopVerificationResult> verified) {
+LoopDecisions LoopHypotheses::add(const Map& map, std::vector<LoopVerificationResult> verified,
+                                  const Sensor& sensor) {
   std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
   const size_t first = waiting_.size();
   for (LoopVerificationResult& result : verified) {
     if (is_usable(map, result.loop)) waiting_.push_back(std::move(result));
   }
-  return decide(map, first, kAgreeingKeyframes);
+  return decide(first, {map, sensor, kAgreeingKeyframes});
 }
 
-LoopDecisions LoopHypotheses::finish(const Map& map) {
+LoopDecisions LoopHypotheses::finish(const Map& map, const Sensor& sensor) {
   std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
-  return decide(map, 0, kAgreeingKeyframesAtEnd);
+  return decide(0, {map, sensor, kAgreeingKeyframesAtEnd});
+}
+
+/// What refutes a group of loops with these scales, although they agree; kNone if nothing does.
+LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>& scales,
+                                  const Situation& situation) const {
+  const auto& [map, sensor, required] = situation;
+  const LoopClosure& loop = waiting_[index].loop;
+  if (refutes_same_place(combine(scales))) return LoopReason::kScale;
+  const bool joins = map.keyframe(loop.a).component != map.keyframe(loop.b).component;
+  if (joins && refutes_same_room(compare_components(map, loop, sensor))) return LoopReason::kDoesNotFit;
+  return LoopReason::kNone;
 }
 
 /// Decides on the waiting loops from index `first` on.
-LoopDecisions LoopHypotheses::decide(const Map& map, size_t first, int required_keyframes) {
+LoopDecisions LoopHypotheses::decide(size_t first, const Situation& situation) {
+  const Map& map = situation.map;
   LoopDecisions decisions;
   std::vector<bool> decided(waiting_.size(), false);
   const auto reject = [&](size_t i, LoopReason reason) {
@@ -164,10 +178,10 @@ LoopDecisions LoopHypotheses::decide(const Map& map, size_t first, int required_
     const bool alone = fits_map(map, loop);
     if (group.is_ambiguous()) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kAmbiguous));
-    } else if (!alone && loop.support < required_keyframes) {
+    } else if (!alone && loop.support < situation.required_keyframes) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
-    } else if (refutes_same_place(combine(group.scales))) {
-      for (const size_t member : group.waiting) reject(member, LoopReason::kScale);
+    } else if (const LoopReason reason = refute(i, group.scales, situation); reason != LoopReason::kNone) {
+      for (const size_t member : group.waiting) reject(member, reason);
     } else {
       for (const size_t member : group.waiting) {
         if (decided[member]) continue;

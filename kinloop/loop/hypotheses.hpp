@@ -35,15 +35,23 @@ class LoopHypotheses {
  public:
   /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
-  /// whose visits differ in scale are rejected, and with a group those that contradict it.
-  LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified);
+  /// whose visits differ in scale, or that join components whose surfaces contradict each other, are rejected,
+  /// and with a group those that contradict it.
+  LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
 
   /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others stay
   /// provisional, and wait for another run.
-  LoopDecisions finish(const Map& map);
+  LoopDecisions finish(const Map& map, const Sensor& sensor);
 
  private:
-  LoopDecisions decide(const Map& map, size_t first, int required_keyframes);
+  struct Situation {
+    const Map& map;
+    const Sensor& sensor;
+    int required_keyframes;
+  };
+  [[nodiscard]] LoopReason refute(size_t index, const std::vector<RelativeScale>& scales,
+                                  const Situation& situation) const;
+  LoopDecisions decide(size_t first, const Situation& situation);
 
   std::vector<LoopVerificationResult> waiting_;
 };

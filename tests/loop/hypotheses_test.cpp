@@ -61,20 +61,26 @@ class Hypotheses : public testing::Test {
     return all;
   }
 
+  LoopDecisions add(std::vector<LoopVerificationResult> verified) {
+    return hypotheses_.add(map_, std::move(verified), sensor_);
+  }
+  LoopDecisions finish() { return hypotheses_.finish(map_, sensor_); }
+
   Map map_;
   LoopHypotheses hypotheses_;
+  const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5}};
 };
 
 TEST_F(Hypotheses, ThreeKeyframesThatAgreeAreAccepted) {
   for (const uint32_t i : {2U, 3U}) {
-    const LoopDecisions waits = hypotheses_.add(map_, {loop(i - 1, i)});
+    const LoopDecisions waits = add({loop(i - 1, i)});
     EXPECT_THAT(waits.accepted, IsEmpty());
     ASSERT_THAT(waits.others, SizeIs(1));
     EXPECT_EQ(waits.others[0].stage, LoopStage::kProvisional);
     EXPECT_EQ(waits.others[0].reason, LoopReason::kTooFewKeyframes);
     EXPECT_EQ(waits.others[0].support, static_cast<int>(i) - 1);
   }
-  const LoopDecisions third = hypotheses_.add(map_, {loop(4, 5)});
+  const LoopDecisions third = add({loop(4, 5)});
   ASSERT_THAT(third.accepted, SizeIs(3));
   EXPECT_THAT(third.others, IsEmpty());
   for (const LoopVerificationResult& accepted : third.accepted) {
@@ -82,28 +88,28 @@ TEST_F(Hypotheses, ThreeKeyframesThatAgreeAreAccepted) {
     EXPECT_EQ(accepted.loop.reason, LoopReason::kKeyframesAgree);
     EXPECT_EQ(accepted.loop.stage, LoopStage::kVerified);
   }
-  EXPECT_THAT(hypotheses_.finish(map_).accepted, IsEmpty()) << "each loop is accepted once";
+  EXPECT_THAT(finish().accepted, IsEmpty()) << "each loop is accepted once";
 }
 
 TEST_F(Hypotheses, SeveralPlacesOfOneKeyframeCountOnce) {
-  EXPECT_THAT(hypotheses_.add(map_, {loop(1, 2), loop(2, 2), loop(3, 2)}).accepted, IsEmpty());
+  EXPECT_THAT(add({loop(1, 2), loop(2, 2), loop(3, 2)}).accepted, IsEmpty());
 }
 
 TEST_F(Hypotheses, AtTheEndTwoAreEnoughButNotOne) {
-  hypotheses_.add(map_, {loop(1, 2)});
-  const LoopDecisions one = hypotheses_.finish(map_);
+  add({loop(1, 2)});
+  const LoopDecisions one = finish();
   EXPECT_THAT(one.accepted, IsEmpty());
   EXPECT_THAT(reasons(one.others), ElementsAre(LoopReason::kTooFewKeyframes));
-  hypotheses_.add(map_, {loop(1, 3)});
-  EXPECT_THAT(hypotheses_.finish(map_).accepted, SizeIs(2));
+  add({loop(1, 3)});
+  EXPECT_THAT(finish().accepted, SizeIs(2));
 }
 
 TEST_F(Hypotheses, KeyframesThatDisagreeAreNotAccepted) {
   const SE3 step = SE3{Eigen::Quaterniond::Identity(), {0.4, 0, 0}};
-  hypotheses_.add(map_, {loop(1, 2)});
-  hypotheses_.add(map_, {loop(2, 3, step)});
-  EXPECT_THAT(hypotheses_.add(map_, {loop(3, 4, step * step)}).accepted, IsEmpty());
-  EXPECT_THAT(hypotheses_.finish(map_).accepted, IsEmpty());
+  add({loop(1, 2)});
+  add({loop(2, 3, step)});
+  EXPECT_THAT(add({loop(3, 4, step * step)}).accepted, IsEmpty());
+  EXPECT_THAT(finish().accepted, IsEmpty());
 }
 
 TEST_F(Hypotheses, RelationIsDecidedByTheCycle) {
@@ -123,13 +129,13 @@ TEST_F(Hypotheses, RelationIsDecidedByTheCycle) {
 
 TEST_F(Hypotheses, OfTwoPlacesNoneIsTakenUntilLaterKeyframesDecide) {
   for (const uint32_t i : {2U, 3U, 4U}) {
-    const LoopDecisions torn = hypotheses_.add(map_, {loop(i, i), elsewhere(i, i)});
+    const LoopDecisions torn = add({loop(i, i), elsewhere(i, i)});
     EXPECT_THAT(torn.accepted, IsEmpty()) << i;
     EXPECT_THAT(reasons(torn.others), ElementsAre(LoopReason::kAmbiguous, LoopReason::kAmbiguous));
   }
-  EXPECT_THAT(hypotheses_.finish(map_).accepted, IsEmpty());
-  EXPECT_THAT(hypotheses_.add(map_, {loop(5, 5)}).accepted, IsEmpty());
-  const LoopDecisions decided = hypotheses_.add(map_, {loop(6, 6)});
+  EXPECT_THAT(finish().accepted, IsEmpty());
+  EXPECT_THAT(add({loop(5, 5)}).accepted, IsEmpty());
+  const LoopDecisions decided = add({loop(6, 6)});
   ASSERT_THAT(decided.accepted, SizeIs(5));
   for (const LoopVerificationResult& accepted : decided.accepted)
     EXPECT_EQ(accepted.loop.a.value, accepted.loop.b.value - kPerVisit);
@@ -146,13 +152,13 @@ TEST_F(Hypotheses, VisitsOfAnotherScaleAreRejected) {
     result.loop.evidence.scale = {0.95, sigma};
     return result;
   };
-  for (const uint32_t i : {2U, 3U}) hypotheses_.add(map_, {scaled(i, 0.01)});
-  const LoopDecisions refuted = hypotheses_.add(map_, {scaled(4, 0.01)});
+  for (const uint32_t i : {2U, 3U}) add({scaled(i, 0.01)});
+  const LoopDecisions refuted = add({scaled(4, 0.01)});
   EXPECT_THAT(refuted.accepted, IsEmpty());
   EXPECT_THAT(reasons(refuted.others), ElementsAre(LoopReason::kScale, LoopReason::kScale, LoopReason::kScale));
   // The same from measurements that cannot tell.
-  for (const uint32_t i : {5U, 6U}) hypotheses_.add(map_, {scaled(i, 0.1)});
-  EXPECT_THAT(hypotheses_.add(map_, {scaled(7, 0.1)}).accepted, SizeIs(3));
+  for (const uint32_t i : {5U, 6U}) add({scaled(i, 0.1)});
+  EXPECT_THAT(add({scaled(7, 0.1)}).accepted, SizeIs(3));
 }
 
 /// The first visit is larger than the second, whichever of them looks for the other.
@@ -167,7 +173,7 @@ TEST_F(Hypotheses, ScalesOfBothDirectionsAreComparedInOne) {
     return result;
   };
   for (const uint32_t i : {2U, 3U, 4U}) {
-    const LoopDecisions decided = hypotheses_.add(map_, {scaled(i, i % 2 == 0)});
+    const LoopDecisions decided = add({scaled(i, i % 2 == 0)});
     EXPECT_THAT(decided.accepted, IsEmpty()) << i;
     const LoopReason expected = i == 4 ? LoopReason::kScale : LoopReason::kTooFewKeyframes;
     EXPECT_THAT(reasons(decided.others), testing::Each(expected));
@@ -185,18 +191,18 @@ TEST_F(Hypotheses, OneLoopIsEnoughWhereTheMapPredictsIt) {
   EXPECT_TRUE(fits_map(map_, within(0.09)));
   EXPECT_FALSE(fits_map(map_, within(0.11)));
   EXPECT_FALSE(fits_map(map_, loop(1, 1).loop)) << "the pose between components is unknown";
-  EXPECT_THAT(hypotheses_.add(map_, {{within(0.3), {}}}).accepted, IsEmpty());
-  LoopHypotheses others;
-  const LoopDecisions alone = others.add(map_, {{within(0.05), {}}});
+  EXPECT_THAT(add({{within(0.3), {}}}).accepted, IsEmpty());
+  hypotheses_ = {};
+  const LoopDecisions alone = add({{within(0.05), {}}});
   ASSERT_THAT(alone.accepted, SizeIs(1));
   EXPECT_EQ(alone.accepted[0].loop.reason, LoopReason::kFitsMap);
 }
 
 TEST_F(Hypotheses, LoopsOfWithdrawnKeyframesAreForgotten) {
-  for (const uint32_t i : {2U, 3U}) hypotheses_.add(map_, {loop(i, i)});
+  for (const uint32_t i : {2U, 3U}) add({loop(i, i)});
   map_.withdraw(second(2));
-  EXPECT_THAT(hypotheses_.add(map_, {loop(2, 2), loop(4, 4)}).accepted, IsEmpty());
-  EXPECT_THAT(hypotheses_.finish(map_).accepted, SizeIs(2));
+  EXPECT_THAT(add({loop(2, 2), loop(4, 4)}).accepted, IsEmpty());
+  EXPECT_THAT(finish().accepted, SizeIs(2));
 }
 
 }  // namespace

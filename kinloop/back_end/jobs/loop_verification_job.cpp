@@ -27,6 +27,7 @@ bool LoopVerificationJob::is_due(const JobContext& /*context*/) const {
 }
 
 LoopVerificationJob::Problem LoopVerificationJob::make_problem(const JobContext& context) {
+  sensor_ = context.sensor;
   return {std::exchange(waiting_, {}), {context.sensor, options_}};
 }
 
@@ -40,14 +41,14 @@ LoopVerificationJob::Solution LoopVerificationJob::solve(const Problem& problem)
 std::optional<AppliedSolution> LoopVerificationJob::apply(Map& map, const Solution& loops) {
   AppliedSolution applied{.map_changed = false};
   for (const auto& of_keyframe : loops) {
-    if (!of_keyframe.empty()) carry_out(hypotheses_.add(map, of_keyframe), map, applied);
+    if (!of_keyframe.empty()) carry_out(hypotheses_.add(map, of_keyframe, *sensor_), map, applied);
   }
   return applied;
 }
 
 AppliedSolution LoopVerificationJob::finish(Map& map) {
   AppliedSolution applied{.map_changed = false};
-  carry_out(hypotheses_.finish(map), map, applied);
+  if (sensor_) carry_out(hypotheses_.finish(map, *sensor_), map, applied);
   return applied;
 }
 

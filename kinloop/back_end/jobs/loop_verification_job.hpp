@@ -42,6 +42,7 @@ class LoopVerificationJob {
   int lag_frames_;
   std::vector<LoopVerificationProblem> waiting_;
   LoopHypotheses hypotheses_;
+  std::optional<Sensor> sensor_;  // of the latest problem
 };
 
 }  // namespace kinloop

@@ -1,0 +1,52 @@
+#include "kinloop/loop/compare_visits.hpp"
+
+#include <limits>
+
+namespace kinloop {
+namespace {
+
+constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;  // of views that overlap
+constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;   // 1 sigma, of the relative position
+
+/// The keyframe of a component whose view is nearest to a pose; nullopt if none overlaps.
+const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_world_camera) {
+  const Keyframe* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.component != component) continue;
+    const SE3 T_keyframe_camera = keyframe.T_world_camera.inverse() * T_world_camera;
+    const double distance_m = T_keyframe_camera.translation.norm(), angle_rad = T_keyframe_camera.angle_rad();
+    if (distance_m > kMaxDistance_m || angle_rad > kMaxAngle_rad) continue;
+    const double difference = distance_m / kMaxDistance_m + angle_rad / kMaxAngle_rad;
+    if (difference >= least) continue;
+    least = difference;
+    nearest = &keyframe;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+DepthConsistency compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor) {
+  const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
+  const SE3 T_worlds = a.T_world_camera * loop.T_a_b * b.T_world_camera.inverse();  // of a from that of b
+  DepthConsistency depths;
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.component != b.component) continue;
+    const SE3 T_world_camera = T_worlds * keyframe.T_world_camera;
+    const Keyframe* other = nearest_view(map, a.component, T_world_camera);
+    if (other == nullptr) continue;
+    const double away_m = (keyframe.T_world_camera.translation - b.T_world_camera.translation).norm();
+    depths += compare_depths(*other->features, *keyframe.features,
+                             other->T_world_camera.inverse() * T_world_camera, sensor,
+                             kSigma_m + kDriftPerMetre * away_m);
+  }
+  return depths;
+}
+
+bool refutes_same_room(const DepthConsistency& depths) {
+  constexpr double kMaxViolations = 0.03;  // of all keypoints, see docs/place.md; edges of depth cause some
+  return violates_free_space(depths, kMaxViolations);
+}
+
+}  // namespace kinloop

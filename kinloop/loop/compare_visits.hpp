@@ -1,0 +1,17 @@
+#pragma once
+// Whether two parts of a map can be one room. The double of a place is furnished alike, but not at the same
+// distances: where the views beside a loop overlap, one sees through the walls of the other.
+
+#include "kinloop/loop/view_checks.hpp"
+#include "kinloop/map/map.hpp"
+
+namespace kinloop {
+
+/// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view is
+/// nearest to its own, if the loop is true. Allows for drift with the distance from the loop.
+DepthConsistency compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor);
+
+/// Returns whether so many keypoints violate free space that these are different rooms.
+bool refutes_same_room(const DepthConsistency& depths);
+
+}  // namespace kinloop
