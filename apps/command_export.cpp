@@ -7,6 +7,7 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
+#include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/rerun_export.hpp"
 #include "apps/shared/standard_output.hpp"
@@ -231,8 +232,9 @@ void write_images(const ExportArguments& a, OpenMap& open, const Progress& progr
 
 void run_export(const ExportArguments& arguments) {
   check(arguments);
+  install_interrupt_handler();
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
-  const Progress progress = make_progress_bar(arguments.quiet);
+  const Progress progress = interruptible(make_progress_bar(arguments.quiet));
   write_trajectories(arguments, open);
   if (!arguments.graph.empty()) {
     write_g2o(arguments.graph, {make_pose_graph(open.map, open.options.slam.loop), {}, true, {}});

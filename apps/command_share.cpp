@@ -8,6 +8,7 @@
 
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
+#include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/standard_output.hpp"
 #include "kinloop/core/files/text_file.hpp"
@@ -32,7 +33,8 @@ struct ShareArguments {
 void share(const ShareArguments& arguments) {
   require_different_file("-o", arguments.output, arguments.path);
   require_writable_file(arguments.output);
-  SavedRun run = read_shown(arguments.path, make_progress_bar(arguments.quiet));
+  install_interrupt_handler();
+  SavedRun run = read_shown(arguments.path, interruptible(make_progress_bar(arguments.quiet)));
   select_contents(run, arguments.mesh, arguments.points.has_value(), arguments.path);
   const size_t all_points = run.cloud.size();
   std::vector<KeyframeImage> images;
@@ -40,6 +42,7 @@ void share(const ShareArguments& arguments) {
   SharedPageLimits limits{.bytes = page_bytes("--max-size", arguments.max_size_mb)};
   if (arguments.points) limits.points = static_cast<size_t>(*arguments.points);
   const SharedPage page = make_shared_page(std::move(run), std::move(images), limits);
+  throw_if_interrupted();
   write_file(arguments.output, page.html);
   if (arguments.quiet) return;
   print_text(

@@ -18,6 +18,7 @@
 #include "apps/shared/command_line.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/failure.hpp"
+#include "apps/shared/interrupt.hpp"
 #include "apps/shared/log_output.hpp"
 #include "apps/shared/standard_output.hpp"
 #include "apps/shared/version.hpp"
@@ -31,8 +32,8 @@ using kinloop::ExitCode;
 
 constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 internal error; 2 wrong use; 3 bad input, or results that could not be written;
-4 tracking lost and not regained; 5 kinloop batch found a difference; 129, 130, 143 a run ended by SIGHUP, Ctrl-C,
-SIGTERM (its results are written); 141 the reader of standard output is gone. See docs/reliability.md.)";
+4 tracking lost and not regained; 5 kinloop batch found a difference; 129, 130, 143 ended by SIGHUP, Ctrl-C,
+SIGTERM (the results of a run are written); 141 the reader of standard output is gone. See docs/reliability.md.)";
 
 ExitCode run(int argc, char** argv) {
   if (argc <= 1) {
@@ -108,6 +109,8 @@ ExitCode run_and_report(int argc, char** argv) {
     const ExitCode exit_code = run(static_cast<int>(joined.size()), joined.data());
     const int error = kinloop::flush_standard_output();
     return exit_code == ExitCode::kDone && error != 0 ? standard_output_failed(error) : exit_code;
+  } catch (const kinloop::Interrupted& interrupted) {
+    return kinloop::exit_code_of_signal(interrupted.signal());
   } catch (const std::exception& error) {
     return report(error);
   }

@@ -175,8 +175,7 @@ bool check_result(const RunOutcome& o, const Trajectory& trajectory, const Depth
 }
 
 ExitCode exit_code(const Slam& slam, int signal, const std::filesystem::path& details) {
-  constexpr int kOfSignals = 128;
-  if (signal != 0) return static_cast<ExitCode>(kOfSignals + signal);
+  if (signal != 0) return exit_code_of_signal(signal);
   const auto log = slam.session_log();
   if (!log.empty() && is_tracked_in(slam.component(), log.back(), slam.map())) return ExitCode::kDone;
   log::error("{}; see {}", describe_tracking_loss(slam.map()), details.string());

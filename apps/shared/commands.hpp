@@ -22,6 +22,12 @@ enum class ExitCode : int {
   kTerminated = 143
 };
 
+/// Returns the exit code of a program that a signal has ended, as shells tell it.
+constexpr ExitCode exit_code_of_signal(int signal) {
+  constexpr int kOfSignals = 128;
+  return static_cast<ExitCode>(kOfSignals + signal);
+}
+
 /// Prints the most important commands; the output of plain `kinloop`.
 void print_quick_start();
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <thread>
+#include <utility>
 
 namespace kinloop {
 namespace {
@@ -33,6 +34,17 @@ int received_signal() {
 
 bool interrupted() {
   return received_signal() != 0;
+}
+
+void throw_if_interrupted() {
+  if (const int signal = received_signal(); signal != 0) throw Interrupted(signal);
+}
+
+Progress interruptible(Progress shown) {
+  return [shown = std::move(shown)](const ProgressReport& now) {
+    throw_if_interrupted();
+    return !shown || shown(now);
+  };
 }
 
 void wait_for_interrupt() {

@@ -2,15 +2,18 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <sstream>
 #include <string_view>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "apps/shared/interrupt.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 
@@ -22,10 +25,20 @@ struct ProcessEnd {
   std::string printed;
 };
 
-std::string read_all(int descriptor) {
+/// Waits until there is something to read; asks the process to end if this one was interrupted.
+void wait_for_output(int descriptor, pid_t process) {
+  constexpr int kBetweenLooks_ms = 100;
+  pollfd output{.fd = descriptor, .events = POLLIN, .revents = 0};
+  while (poll(&output, 1, kBetweenLooks_ms) <= 0)
+    if (interrupted()) kill(process, SIGTERM);
+}
+
+/// Reads what a process prints until it ends.
+std::string read_all(int descriptor, pid_t process) {
   std::string text;
   std::array<char, 4096> block{};
   for (;;) {
+    wait_for_output(descriptor, process);
     const ssize_t bytes = read(descriptor, block.data(), block.size());
     if (bytes < 0 && errno == EINTR) continue;
     if (bytes <= 0) return text;
@@ -46,7 +59,7 @@ ProcessEnd run_process(const std::vector<char*>& arguments) {
   posix_spawn_file_actions_destroy(&actions);
   close(ends[1]);
   ProcessEnd end;
-  if (failed == 0) end.printed = read_all(ends[0]);
+  if (failed == 0) end.printed = read_all(ends[0], process);
   close(ends[0]);
   if (failed != 0)
     throw InputError(fmt::format("{}: cannot be started; apt install python3", arguments.front()));
@@ -83,6 +96,7 @@ void run_python(const std::filesystem::path& script, std::vector<std::string> wo
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const auto [status, printed] = run_process(arguments);
+  throw_if_interrupted();  // Ctrl-C ends the script, too
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return show_warnings(std::istringstream(printed));
   if (WIFSIGNALED(status))
     throw InputError(fmt::format("{}: ended by signal {}", script.string(), WTERMSIG(status)));

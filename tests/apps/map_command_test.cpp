@@ -1,6 +1,10 @@
 // Map files, end to end: run, map, export.
 
+#include <filesystem>
+#include <map>
 #include <set>
+#include <string>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
@@ -40,6 +44,14 @@ class MapCommand : public testing::Test {
       EXPECT_EQ(run("run sim:room" + std::string(kSmall) + "-o " + at("run")), 0) << err_;
     }
     return at("run");
+  }
+
+  /// Returns what puts a shell script in the place of Python, which writes recordings for Rerun. Called with
+  /// one word, it is asked for Rerun's package; else the third is the recording.
+  static std::string with_python(const std::string& script) {
+    folder_->write("programs/python3", "#!/bin/sh\n[ $# -eq 1 ] && exit 0\n" + script + "\n");
+    std::filesystem::permissions(at("programs/python3"), std::filesystem::perms::owner_all);
+    return "PATH='" + at("programs") + "':\"$PATH\"";
   }
 
   static std::unique_ptr<test::TempFolder> folder_;
@@ -348,6 +360,44 @@ TEST_F(MapCommand, SaysWhatIsWrong) {
                 " --load-map " + ran() + "/map.kinmap"),
             kBadInput);
   EXPECT_THAT(err_, HasSubstr("another camera"));
+}
+
+/// The names and contents of all files in a folder.
+std::map<std::string, std::string> contents_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) contents[relative(entry.path(), folder)] = read_file(entry.path());
+  return contents;
+}
+
+TEST_F(MapCommand, RecordingForRerunLeavesTheOtherExportsAsTheyAre) {
+  const std::string folder = ran(), images = " --images 12 --points 100 -q ";
+  ASSERT_EQ(run("export " + folder + images + "--colmap " + at("alone")), 0) << err_;
+  ASSERT_EQ(run("export " + folder + images + "--colmap " + at("both") + " --rrd " + at("a.rrd"),
+                with_python("echo recording >\"$3\"")),
+            0)
+      << err_;
+  EXPECT_EQ(read_file(at("a.rrd")), "recording\n");
+  EXPECT_GT(contents_of(at("alone")).size(), 12U);
+  EXPECT_TRUE(contents_of(at("alone")) == contents_of(at("both")));
+}
+
+TEST_F(MapCommand, CtrlCWhileARecordingForRerunIsWrittenLeavesNothing) {
+  const std::string folder = ran();
+  for (const auto& [name, exit_code] : {std::pair("INT", 130), std::pair("TERM", 143)}) {
+    std::filesystem::create_directories(at("temporary"));
+    std::filesystem::create_directories(at("output"));
+    EXPECT_EQ(
+        run("export " + folder + " -q --rrd " + at("output/a.rrd"),
+            "TMPDIR='" + at("temporary") + "' " +
+                with_python("ls \"$2\" >'" + at("parts") + "'; kill -" + name + " $PPID; exec sleep 600")),
+        exit_code)
+        << err_;
+    EXPECT_EQ(err_, "");
+    EXPECT_THAT(read_file(at("parts")), HasSubstr("transforms.json"));  // there was something to leave
+    EXPECT_TRUE(std::filesystem::is_empty(at("temporary")));
+    EXPECT_TRUE(std::filesystem::is_empty(at("output")));
+  }
 }
 
 }  // namespace

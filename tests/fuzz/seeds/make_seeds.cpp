@@ -167,6 +167,13 @@ void add_depth(const Corpus& corpus) {
     std::replace(name.begin(), name.end(), ' ', '_');
     corpus.add("depth_encodings", name, '\3' + size + format.write(depth));
   }
+  const std::pair<const char*, test::TiffLayout> tiff_layouts[] = {
+      {"tiff_tiles", {.compression = 5, .predictor = 2, .tile_px = 16}},
+      {"tiff_big_endian", {.mode = "wb"}},
+      {"tiff_big", {.compression = 50000, .mode = "w8"}},
+      {"tiff_pages", {.kinds_of_pages = {0, 1, 4}}}};
+  for (const auto& [name, layout] : tiff_layouts)
+    corpus.add("depth_encodings", name, '\3' + size + test::tiff_by_libtiff(depth, layout));
   for (const test::ExrSample& sample : test::exr_samples())
     corpus.add("depth_encodings", std::string("exr_") + sample.compression, '\3' + size + sample.bytes);
   corpus.add("depth_encodings", "raw", '\4' + size + raw);
