@@ -110,6 +110,15 @@ class Suites(BatchTest):
         before = read_summaries(SOURCE / "suites" / "regression.csv")  # what .ci/check_accuracy.sh compares with
         self.assertEqual([s["sequence"] for s in before if s["ate_m"] is not None], [s.pattern for s in suites["regression"].sequences])
 
+    def test_a_recording_with_other_bytes_than_the_suite_says_is_refused(self):
+        self.recording("room")
+        output = self.run_suite(f"sequences:\n- {{path: room, sha256: {'0' * 64}}}", expect=3)
+        self.assertIn("suite.yaml:2: ", output)
+        digest = output.split("its sha256 is ")[1].split(";")[0]
+        self.run_suite(f"sequences:\n- {{path: room, sha256: {digest}}}")
+        self.write("room/rgb/1.png", "another image")
+        self.assertIn("is another recording", self.run_suite(f"sequences:\n- {{path: room, sha256: {digest}}}", expect=3))
+
     def test_a_missing_recording_is_named_with_the_line_of_the_suite(self):
         self.assertIn("suite.yaml:2: nowhere: no such recording", self.run_suite("sequences:\n- nowhere", expect=3))
 
