@@ -1,7 +1,10 @@
 // kinloop fetch: downloads and unpacks a sequence of a public dataset.
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -30,24 +33,48 @@ struct FetchArguments {
 
 void list_datasets() {
   std::string text;
-  for (const PublicDataset& dataset : public_datasets())
+  for (const PublicDataset& dataset : public_datasets()) {
+    if (dataset.examples.empty()) continue;
     text += fmt::format("{}\n  {}\n  licence: {}\n", dataset.title, dataset.examples, dataset.licence);
-  for (const RequestedDataset& dataset : requested_datasets())
-    text += fmt::format("{}: not by fetch; {}\n", dataset.title, dataset.remedy);
+    if (!dataset.access.empty()) text += fmt::format("  access: {}\n", dataset.access);
+  }
   print_text(text);
+}
+
+/// The archive of the sequence alone in the folder; "" if there is none.
+fs::path archive_of_sequence(const fs::path& folder, const FetchPlan& plan) {
+  if (plan.sequence.empty()) return {};
+  for (const char* extension : {".zip", ".7z"}) {
+    if (fs::path archive = folder / (plan.sequence + extension); fs::exists(archive)) return archive;
+  }
+  return {};
 }
 
 /// Whether the sequence is in the folder, unpacked or as an archive of its own.
 bool holds_sequence(const fs::path& folder, const FetchPlan& plan) {
-  return fs::exists(folder / plan.sequence / plan.evidence) ||
-         (!plan.sequence.empty() && fs::exists(folder / (plan.sequence + ".zip")));
+  return fs::exists(folder / plan.sequence / plan.evidence) || !archive_of_sequence(folder, plan).empty();
+}
+
+/// The address to download from, without a slash at the end. Throws UsageError if only the user can know it.
+std::string server_of(const FetchPlan& plan, const FetchArguments& arguments) {
+  std::string server = arguments.server.empty() ? plan.server : arguments.server;
+  if (server.empty()) {
+    const char* given = std::getenv(plan.server_variable.c_str());  // NOLINT(concurrency-mt-unsafe)
+    if (given != nullptr) server = given;
+  }
+  if (server.empty()) {
+    throw UsageError(fmt::format(
+        "fetch: {} is given only to those who ask for it: {}; give it as --server or as the variable {}",
+        arguments.name, plan.access, plan.server_variable));
+  }
+  return server.substr(0, server.find_last_not_of('/') + 1);
 }
 
 /// Downloads those archives that are not there yet.
 std::vector<fs::path> download_archives(const FetchPlan& plan, const FetchArguments& arguments) {
   std::vector<fs::path> archives;
+  const std::string server = server_of(plan, arguments);
   for (const std::string& address : plan.archives) {
-    const std::string server = arguments.server.empty() ? plan.server : arguments.server;
     archives.push_back(arguments.output / fs::path(address).filename());
     if (fs::exists(archives.back())) continue;
     download(fmt::format("{}/{}", server, address), archives.back(), make_progress_bar(arguments.quiet));
@@ -57,7 +84,14 @@ std::vector<fs::path> download_archives(const FetchPlan& plan, const FetchArgume
 
 fs::path unpack_beside(const std::vector<fs::path>& archives, const fs::path& target) {
   fs::path beside = target.string() + ".part";
-  for (const fs::path& archive : archives) unpack(archive, beside);
+  for (const fs::path& archive : archives) {
+    if (archive.extension() == ".sens") {  // the recording itself
+      fs::create_directories(beside);
+      fs::rename(archive, beside / archive.filename());
+    } else {
+      unpack(archive, beside);
+    }
+  }
   return beside;
 }
 
@@ -87,9 +121,9 @@ void fetch_folder(const FetchPlan& plan, const FetchArguments& arguments, const 
   put_in_place(beside, plan.inside, folder, archives);
 }
 
-/// Unpacks FOLDER/SEQUENCE.zip.
+/// Unpacks the archive of the sequence alone.
 void unpack_sequence(const FetchPlan& plan, const fs::path& folder) {
-  const fs::path archive = folder / (plan.sequence + ".zip");
+  const fs::path archive = archive_of_sequence(folder, plan);
   const fs::path target = folder / plan.sequence;
   const fs::path beside = unpack_beside({archive}, target);
   if (!fs::exists(beside / plan.sequence / plan.evidence)) {

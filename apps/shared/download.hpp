@@ -16,10 +16,10 @@ bool download_available();
 /// once it has the size reported by the server. Throws InputError naming the URL and the error.
 void download(const std::string& url, const std::filesystem::path& file, const Progress& progress);
 
-/// The largest known archive, all of Replica, has 12 GB.
-constexpr uint64_t kMaxUnpackedBytes = uint64_t{32} << 30;
+/// The largest known archives, scenes of OpenLORIS, have some 30 GB.
+constexpr uint64_t kMaxUnpackedBytes = uint64_t{64} << 30;
 
-/// Unpacks a .tgz, .tar or .zip of files and folders into `folder`; refuses links, devices and entries that
+/// Unpacks a .tgz, .tar, .zip or .7z of files and folders into `folder`; refuses links, devices and entries that
 /// would land elsewhere. Throws InputError naming the file if it is damaged or truncated, or unpacks to more
 /// than `max_bytes`.
 void unpack(const std::filesystem::path& file, const std::filesystem::path& folder,

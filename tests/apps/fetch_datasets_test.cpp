@@ -196,6 +196,51 @@ TEST_F(FetchDatasets, ReplicaDownloadsItsOneArchiveOnce) {
   EXPECT_EQ(server.downloads, 1U);
 }
 
+TEST_F(FetchDatasets, OpenLorisIsAnArchiveOfAnArchiveASequence) {
+  std::map<std::string, std::string> sequences;
+  for (const std::string sequence : {"home1-2", "home1-5", "corridor1-1"}) {
+    for (const std::string folder : {"color", "aligned_depth"})
+      fs::create_directories(at("made/" + sequence + "/" + folder));
+    std::string colors, depths;
+    for (size_t i = 0; i < kFrames; ++i) {
+      const std::string stamp = fmt::format("15600048{}.5", 10 + i);
+      fs::copy(color(i), at("made/" + sequence + "/color/" + stamp + ".png"));
+      write_depth(i, sequence + "/aligned_depth/" + stamp + ".png", 1000);
+      colors += stamp + " color/" + stamp + ".png\n";
+      depths += stamp + " aligned_depth/" + stamp + ".png\n";
+    }
+    folder_.write("made/" + sequence + "/color.txt", colors);
+    folder_.write("made/" + sequence + "/aligned_depth.txt", depths);
+    folder_.write("made/" + sequence + "/sensors.yaml",
+                  "%YAML:1.0\n---\nd400_color_optical_frame:\n   width: 640\n   height: 480\n   intrinsics: "
+                  "!!opencv-matrix\n      rows: 1\n      cols: 4\n      dt: d\n"
+                  "      data: [ 525, 319.5, 525, 239.5 ]\n");
+    sequences[sequence] = pack("7zip");
+  }
+  for (const std::string sequence : {"home1-2", "home1-5"})
+    folder_.write("made/" + sequence + ".7z", sequences[sequence]);
+  const test::HttpServer server({{"/package/home1-1_5-package.tar", pack("gnutar")},
+                                 {"/package/corridor1-1.7z", sequences["corridor1-1"]}});
+  expect_fetched("openloris/home1-5", server, "openloris/home1/home1-5", "OpenLORIS");
+  expect_fetched("openloris/home1-2", server, "openloris/home1/home1-2", "OpenLORIS");
+  EXPECT_EQ(server.downloads, 1U);
+  expect_fetched("openloris/corridor1-1", server, "openloris/corridor1-1", "OpenLORIS");
+}
+
+TEST_F(FetchNames, ScanNetIsARecordingAtTheAddressThatTheUserWasGiven) {
+  const test::HttpServer server("/v2/scans/scene0011_01/scene0011_01.sens", "x");
+  const std::string command = "fetch scannet/scene0011_01 -q -o '" + at("data") + "'";
+  const std::string expected = at("data/scannet/scene0011_01");
+  const Run fetched = run(command, "KINLOOP_SCANNET_SERVER=" + server.address() + "/");
+  ASSERT_EQ(fetched.exit_code, kDone) << fetched.err;
+  EXPECT_THAT(fetched.out, testing::StartsWith(expected + "\nlicence: ScanNet"));
+  EXPECT_EQ(read_file(expected + "/scene0011_01.sens"), "x");
+  EXPECT_EQ(run(command).out, expected + "\nalready exists\n");
+  EXPECT_EQ(
+      run("fetch scannet/scene0011_02 -q -o '" + at("data") + "' --server " + server.address()).exit_code,
+      kBadInput);
+}
+
 TEST_F(FetchNames, AFolderWithoutASequenceIsNotReplaced) {
   folder_.write("data/rgbd_bonn_balloon/mine.txt", "x");
   const Run refused = fetch("bonn/balloon", test::HttpServer("/rgbd_bonn_balloon.zip", "x"));
@@ -214,18 +259,17 @@ TEST_F(FetchNames, ListNamesTheDatasetsAndTheirLicences) {
   EXPECT_EQ(run("fetch").exit_code, kWrongUse);
 }
 
-TEST_F(FetchNames, DatasetsThatMustBeAskedForSayHow) {
-  const Run scannet = run("fetch scannet/scene0000_00");
+TEST_F(FetchNames, ADatasetThatMustBeAskedForSaysHow) {
+  const Run scannet = run("fetch scannet/scene0000_00 -o '" + at("data") + "'");
   EXPECT_EQ(scannet.exit_code, kWrongUse);
-  EXPECT_THAT(scannet.err, AllOf(HasSubstr("terms of use"), HasSubstr("download-scannet.py")));
-  const Run loris = run("fetch openloris/cafe1-1");
-  EXPECT_EQ(loris.exit_code, kWrongUse);
-  EXPECT_THAT(loris.err, HasSubstr("lifelong-robotic-vision.github.io"));
+  EXPECT_THAT(scannet.err, AllOf(HasSubstr("terms of use"), HasSubstr("download-scannet.py"),
+                                 HasSubstr("KINLOOP_SCANNET_SERVER")));
 }
 
 TEST_F(FetchNames, NamesOfNoSequenceAreRefused) {
-  for (const char* name : {"icl/living_room_traj4", "7scenes/kitchen/seq-01", "7scenes/chess",
-                           "replica/room3", "eth3d/../x", "bonn/", "kitti/00"}) {
+  for (const char* name :
+       {"icl/living_room_traj4", "7scenes/kitchen/seq-01", "7scenes/chess", "replica/room3", "eth3d/../x",
+        "openloris/cafe1-3", "scannet/scene1", "bonn/", "kitti/00"}) {
     const Run refused = run(std::string("fetch ") + name);
     EXPECT_EQ(refused.exit_code, kWrongUse) << name;
     EXPECT_THAT(refused.err, HasSubstr("not a known sequence")) << name;

@@ -4,6 +4,7 @@ import unittest
 
 from support import SOURCE, BatchTest
 
+from kinloop.batch.compare import read_summaries
 from kinloop.batch.errors import BatchError
 from kinloop.batch.recordings import DATASET_NAME
 from kinloop.batch.suite import read_suite
@@ -100,12 +101,23 @@ class Suites(BatchTest):
 
     def test_the_suites_of_the_project_can_be_read(self):
         suites = {path.stem: read_suite(path) for path in (SOURCE / "suites").glob("*.yaml")}
-        names = {stem: {s.pattern for s in suite.sequences} for stem, suite in suites.items() if stem != "docs"}
+        names = {stem: {s.pattern for s in suite.sequences} for stem, suite in suites.items() if stem not in ("docs", "regression")}
         self.assertEqual({stem: len(found) for stem, found in names.items()},
-                         {"tum": 47, "eth3d": 61, "icl_nuim": 8, "7scenes": 46, "bonn": 26, "replica": 8})  # fmt: skip
+                         {"tum": 47, "eth3d": 61, "icl_nuim": 8, "7scenes": 46, "bonn": 26, "replica": 8, "openloris": 22, "scannet": 1513})  # fmt: skip
         for found in names.values():
             self.assertEqual([name for name in found if not DATASET_NAME.fullmatch(name)], [])
         self.assertIn("docs", suites)
+        before = read_summaries(SOURCE / "suites" / "regression.csv")  # what .ci/check_accuracy.sh compares with
+        self.assertEqual([s["sequence"] for s in before if s["ate_m"] is not None], [s.pattern for s in suites["regression"].sequences])
+
+    def test_a_recording_with_other_bytes_than_the_suite_says_is_refused(self):
+        self.recording("room")
+        output = self.run_suite(f"sequences:\n- {{path: room, sha256: {'0' * 64}}}", expect=3)
+        self.assertIn("suite.yaml:2: ", output)
+        digest = output.split("its sha256 is ")[1].split(";")[0]
+        self.run_suite(f"sequences:\n- {{path: room, sha256: {digest}}}")
+        self.write("room/rgb/1.png", "another image")
+        self.assertIn("is another recording", self.run_suite(f"sequences:\n- {{path: room, sha256: {digest}}}", expect=3))
 
     def test_a_missing_recording_is_named_with_the_line_of_the_suite(self):
         self.assertIn("suite.yaml:2: nowhere: no such recording", self.run_suite("sequences:\n- nowhere", expect=3))

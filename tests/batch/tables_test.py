@@ -1,14 +1,17 @@
 """Tables, statistics, LaTeX, comparison, verification, and other systems in the same table."""
 
+import io
 import math
 import pathlib
 import subprocess
+import time
 import unittest
 
 import yaml
 from support import BatchTest
 
 from kinloop.batch.durations import Durations, by_size, image_pixels, pixels_of_files
+from kinloop.batch.progress import Progress
 from kinloop.batch.statistics import area_under_curve, bootstrap_ratio, summarise_sequences, summarise_variants
 from kinloop.batch.workers import longest_first, shard_of
 
@@ -240,6 +243,17 @@ class Order(BatchTest):
         self.assertEqual([job.expected_s for job in jobs], [4, 5, 4.5])  # of the variant; of the sequence; by size, scaled
         Durations().set_expected(jobs)
         self.assertEqual([job.expected_s for job in jobs], [4, 5, 4.5])
+
+    def test_the_time_left_is_that_of_the_work_not_of_the_number_of_runs(self):
+        class Job:
+            def __init__(self, key, expected_s):
+                self.key, self.expected_s = key, expected_s
+
+        stream = io.StringIO()
+        progress = Progress([Job("long", 90.0), *(Job(str(i), 1.0) for i in range(10))], quiet=False, stream=stream)
+        progress.begin = progress.last = time.monotonic() - 180.0
+        progress.finish_one("long")
+        self.assertEqual(stream.getvalue(), "1/11 runs, 20 s left\n")
 
     def test_the_longest_of_the_last_batch_starts_first_in_the_next(self):
         self.run_suite("sequences: ['sim:room:1..6']")

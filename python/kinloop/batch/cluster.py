@@ -121,8 +121,8 @@ def _wait_for_results(number, left, store, progress, stop):
             ended_s = time.monotonic()
         done = left & store.finished()
         left -= done
-        for _ in done:
-            progress.finish_one()
+        for key in done:
+            progress.finish_one(key)
         if left and ended_s is not None and time.monotonic() - ended_s > SETTLING_S:
             raise Unfinished(f"slurm job {number} has ended, and {len(left)} runs have no result; see {store.folder}/slurm-{number}_*.log, "
                              "and run the same command again")  # fmt: skip

@@ -87,7 +87,7 @@ def run_suite(arguments):
     suite, jobs, store, program = plan_of(arguments)
     todo = unfinished(jobs, store)
     say(arguments, f"{len(jobs)} runs, {len(todo)} to do")
-    progress = Progress(len(todo), arguments.quiet)
+    progress = Progress(todo, arguments.quiet)
     try:
         if todo and arguments.scheduler:
             run_by_dask(todo, store, arguments.scheduler, progress, lambda text: say(arguments, text))
@@ -158,7 +158,7 @@ def do_shard(arguments):
     _, jobs = store.read_plan()
     todo = unfinished(shard_of(jobs, number, count), store.create())
     say(arguments, f"shard {number} of {count}: {len(todo)} runs to do")
-    run_locally(todo, store, arguments.workers, Progress(len(todo), arguments.quiet))
+    run_locally(todo, store, arguments.workers, Progress(todo, arguments.quiet))
     if arguments.help_others:
         help_others(jobs, store, arguments.workers)
 

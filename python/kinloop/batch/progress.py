@@ -5,6 +5,7 @@ import time
 
 PLAIN_INTERVAL_S = 30.0
 TERMINAL_INTERVAL_S = 0.5
+SHORTEST_S = 1e-3
 
 
 def duration(seconds):
@@ -17,16 +18,20 @@ def duration(seconds):
 
 
 class Progress:
-    """Counts finished runs. A terminal has one line that changes; a file gets a line every half a minute."""
+    """Counts finished runs. A terminal has one line that changes; a file gets a line every half a minute. The longest runs
+    are done first, so the time left is that of the work that is expected, not of the number of runs."""
 
-    def __init__(self, total, quiet, stream=None):
-        self.total, self.done, self.quiet = total, 0, quiet
+    def __init__(self, jobs, quiet, stream=None):
+        self.total, self.done, self.quiet = len(jobs), 0, quiet
+        self.left_s = {job.key: max(job.expected_s, SHORTEST_S) for job in jobs}
+        self.expected_s = sum(self.left_s.values())
         self.stream = stream or sys.stderr
         self.terminal = self.stream.isatty()
         self.begin = self.last = time.monotonic()
 
-    def finish_one(self):
+    def finish_one(self, key):
         self.done += 1
+        self.left_s.pop(key, None)
         self.show()
 
     def show(self):
@@ -35,8 +40,10 @@ class Progress:
         if self.quiet or not (self.done == self.total or time_ - self.last >= interval):
             return
         self.last = time_
-        left = f", {duration((time_ - self.begin) / self.done * (self.total - self.done))} left"
-        text = f"{self.done}/{self.total} runs{left if self.done < self.total else ''}"
+        text = f"{self.done}/{self.total} runs"
+        if self.done < self.total:
+            left_s = sum(self.left_s.values())
+            text += f", {duration((time_ - self.begin) * left_s / max(self.expected_s - left_s, SHORTEST_S))} left"
         end = "\n" if not self.terminal or self.done == self.total else ""
         print(f"\r\x1b[K{text}" if self.terminal else text, end=end, file=self.stream, flush=True)
 

@@ -155,6 +155,7 @@ def find_recordings(suite, inputs, program):
                 name, dataset, identity, pixels = path, "simulated", {"simulated": path, "camera": ""}, 0.0
             else:
                 digest, files = hashes.of(path)
+                _check_hash(sequence, path, digest)
                 pixels = pixels_of_files(files)
                 # The name of a folder may tell the camera (rgbd_dataset_freiburg1_room).
                 name, dataset = path.name, path.parent.name
@@ -166,6 +167,12 @@ def find_recordings(suite, inputs, program):
             recordings.append(Recording(sequence.name or name, sequence.dataset or dataset, str(path), camera, truth, identity, pixels))
     _check_names(recordings)
     return recordings
+
+
+def _check_hash(sequence, path, digest):
+    if sequence.sha256 and sequence.sha256 != digest:
+        raise BatchError(f"{sequence.where}: {path}: is another recording than the suite means: its sha256 is {digest}; "
+                         "copy or fetch it again, or correct the suite")  # fmt: skip
 
 
 def _check_names(recordings):

@@ -11,7 +11,7 @@ from pathlib import Path
 from .suite_file import read_yaml
 
 SUITE_KEYS = ("name", "sequences", "variants", "seeds", "limits", "keep", "threads")
-SEQUENCE_KEYS = ("path", "name", "dataset", "camera", "truth")
+SEQUENCE_KEYS = ("path", "name", "dataset", "camera", "truth", "sha256")
 VARIANT_KEYS = ("set", "arguments", "every", "seeds", "prepare", "command", "external", "version")
 RUN_KEYS = ("set", "arguments", "every")  # of kinloop run
 LIMIT_KEYS = ("time", "memory")
@@ -32,13 +32,15 @@ OWN_OPTIONS = {
 
 @dataclass
 class Sequence:
-    """A line of `sequences:`; `pattern` is a path, a glob, a URL or a name that `kinloop run` opens."""
+    """A line of `sequences:`; `pattern` is a path, a glob, a URL or a name that `kinloop run` opens. `sha256`: what the names
+    and bytes of the recording must hash to; "" for any."""
 
     pattern: str
     name: str = ""
     dataset: str = ""
     camera: str = ""
     truth: str = ""
+    sha256: str = ""
     where: str = ""
 
 

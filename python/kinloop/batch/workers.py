@@ -79,7 +79,7 @@ def _one_pass(jobs, store, workers, progress, stop, heartbeat):
         try:
             for future in concurrent.futures.as_completed(futures):
                 if future.result():
-                    progress.finish_one()
+                    progress.finish_one(futures[future].key)
                 else:
                     busy.append(futures[future])
         except BaseException:
@@ -131,7 +131,7 @@ def _wait_for_tasks(distributed, tasks, store, progress, stop):
             if not store.has(key):
                 raise Unfinished(f"run {key}: no result from Dask (task {by_key[key].status}); see the log of its worker, and run "
                                  "the same command again")  # fmt: skip
-            progress.finish_one()
+            progress.finish_one(key)
         left -= finished
 
 
