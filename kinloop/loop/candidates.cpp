@@ -97,9 +97,8 @@ std::vector<KeyframeId> find_loop_candidates(const Map& map, const PlaceIndex& i
     if (score < min_score) continue;
     std::vector<KeyframeId> group = covisible_group(map, candidate);
     // Of the keyframes that show one place, only the most similar is verified.
-    const bool known_place = std::any_of(chosen.begin(), chosen.end(), [&](const auto& keyframes) {
-      return overlap(group, keyframes);
-    });
+    const bool known_place = std::any_of(chosen.begin(), chosen.end(),
+                                         [&](const auto& keyframes) { return overlap(group, keyframes); });
     if (known_place) continue;
     if (!place) place.emplace(map, covisible_group(map, keyframe));
     if (place->shares_landmarks_with(group, observed_landmarks)) continue;

@@ -37,9 +37,9 @@ DepthConsistency compare_components(const Map& map, const LoopClosure& loop, con
     const Keyframe* other = nearest_view(map, a.component, T_world_camera);
     if (other == nullptr) continue;
     const double away_m = (keyframe.T_world_camera.translation - b.T_world_camera.translation).norm();
-    depths += compare_depths(*other->features, *keyframe.features,
-                             other->T_world_camera.inverse() * T_world_camera, sensor,
-                             kSigma_m + kDriftPerMetre * away_m);
+    depths +=
+        compare_depths(*other->features, *keyframe.features, other->T_world_camera.inverse() * T_world_camera,
+                       sensor, kSigma_m + kDriftPerMetre * away_m);
   }
   return depths;
 }

@@ -7,8 +7,8 @@
 
 namespace kinloop {
 
-/// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view is
-/// nearest to its own, if the loop is true. Allows for drift with the distance from the loop.
+/// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view
+/// is nearest to its own, if the loop is true. Allows for drift with the distance from the loop.
 DepthConsistency compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor);
 
 /// Returns whether so many keypoints violate free space that these are different rooms.

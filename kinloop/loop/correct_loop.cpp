@@ -27,7 +27,8 @@ void add_edges_to_older(const Map& map, const Keyframe& keyframe, const LoopOpti
   bool connected_to_previous = !previous;
   for (const auto& [older, shared] : map.covisible_keyframes(keyframe.id, 1)) {
     if (older > keyframe.id) continue;
-    if (older != previous && (shared < options.covisibility_edge_min_landmarks || !is_wanted(older))) continue;
+    if (older != previous && (shared < options.covisibility_edge_min_landmarks || !is_wanted(older)))
+      continue;
     edges.push_back(edge_between(map, older, keyframe.id, shared, options));
     connected_to_previous = connected_to_previous || older == previous;
   }
@@ -75,7 +76,8 @@ std::vector<SE3> solve_robustly(const LoopCorrectionProblem& problem, const Loop
   return solve_pose_graph(graph, robust).T_world_vertex;
 }
 
-/// The loops that do not fit these poses: the kernel's weight, 1 / (1 + chi2 / width^2)^2, is below a quarter.
+/// The loops that do not fit these poses: the kernel's weight, 1 / (1 + chi2 / width^2)^2, is below a
+/// quarter.
 std::vector<size_t> misfits_of(const LoopCorrectionProblem& problem, const std::vector<SE3>& T_world_vertex,
                                const LoopOptions& options) {
   std::vector<size_t> misfits;
@@ -151,7 +153,8 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
     graph.fixed.push_back(held.insert(keyframe.component).second);
   }
   for (const Keyframe& keyframe : map.keyframes())
-    add_edges_to_older(map, keyframe, options, [](KeyframeId) { return true; }, graph.edges);
+    add_edges_to_older(
+        map, keyframe, options, [](KeyframeId) { return true; }, graph.edges);
   for (const LoopClosure& loop : map.loop_closures()) {
     const SE3 T_a_b = loop.corrected ? current_pose(map, loop.a, loop.b) : loop.T_a_b;
     graph.edges.push_back({loop.a.value, loop.b.value, T_a_b, loop.information});
@@ -172,8 +175,8 @@ LoopCorrection correct_loop(const LoopCorrectionProblem& problem, const LoopOpti
   if (!all_fit(problem, T_world_vertex, options)) {
     std::vector<SE3> robust = solve_robustly(problem, options);
     misfits = misfits_of(problem, robust, options);
-    const bool undo = std::any_of(misfits.begin(), misfits.end(),
-                                  [&](size_t i) { return problem.loops[i].corrected; });
+    const bool undo =
+        std::any_of(misfits.begin(), misfits.end(), [&](size_t i) { return problem.loops[i].corrected; });
     if (undo) {
       T_world_vertex = std::move(robust);
     } else if (!misfits.empty()) {

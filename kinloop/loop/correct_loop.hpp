@@ -44,9 +44,9 @@ struct LoopCorrectionProblem {
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
-/// current poses, and last an edge for each loop closure: as measured or, where the map has been corrected for
-/// it, by the current poses too. Its landmarks are merged and adjusted then, so that these are better than the
-/// measurement. The first keyframe of each component is constant.
+/// current poses, and last an edge for each loop closure: as measured or, where the map has been corrected
+/// for it, by the current poses too. Its landmarks are merged and adjusted then, so that these are better
+/// than the measurement. The first keyframe of each component is constant.
 PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
 
 /// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;

@@ -10,9 +10,9 @@
 namespace kinloop {
 namespace {
 
-constexpr int kAgreeingKeyframes = 3;     // during the run
+constexpr int kAgreeingKeyframes = 3;  // during the run
 constexpr int kAgreeingKeyframesAtEnd = 2;
-constexpr size_t kLead = 2;               // keyframes more than those of a place that contradicts
+constexpr size_t kLead = 2;  // keyframes more than those of a place that contradicts
 
 /// The covariances of both loops and the drift between their ends: 2 to 3 % of the path, see drift.cpp.
 struct CycleBound {

@@ -35,12 +35,12 @@ class LoopHypotheses {
  public:
   /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
-  /// whose visits differ in scale, or that join components whose surfaces contradict each other, are rejected,
-  /// and with a group those that contradict it.
+  /// whose visits differ in scale, or that join components whose surfaces contradict each other, are
+  /// rejected, and with a group those that contradict it.
   LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
 
-  /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others stay
-  /// provisional, and wait for another run.
+  /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others
+  /// stay provisional, and wait for another run.
   LoopDecisions finish(const Map& map, const Sensor& sensor);
 
  private:

@@ -9,10 +9,10 @@ namespace kinloop {
 namespace {
 
 constexpr int kIterations = 10;
-constexpr double kHuberWidth = 1.345;       // sigmas: 95 % efficiency for Gaussian errors (Huber 1981)
-constexpr double kScaleWindow_px = 8;            // half side, on level 0
-constexpr double kLandmarkSigma_m = 0.01;   // of landmarks in the map
-constexpr double kCommonSigma = 0.002;      // an error that all matches of a view share, relative
+constexpr double kHuberWidth = 1.345;      // sigmas: 95 % efficiency for Gaussian errors (Huber 1981)
+constexpr double kScaleWindow_px = 8;      // half side, on level 0
+constexpr double kLandmarkSigma_m = 0.01;  // of landmarks in the map
+constexpr double kCommonSigma = 0.002;     // an error that all matches of a view share, relative
 
 /// Weighted least squares for scale and translation with the means eliminated.
 struct ScaleFit {
@@ -75,9 +75,9 @@ RelativeScale measure_scale(const TrackingInput& in, const SE3& T_reference_came
   std::vector<uint32_t> landmark_of;
   for (uint32_t i = 0; i < local_map.size(); ++i) {
     const bool measured = local_map.has_depth.empty() || local_map.has_depth[i];
-    const auto expected =
-        measured ? project_landmark(local_map, i, features, T_reference_camera, kScaleWindow_px, sensor.camera)
-                 : std::nullopt;
+    const auto expected = measured ? project_landmark(local_map, i, features, T_reference_camera,
+                                                      kScaleWindow_px, sensor.camera)
+                                   : std::nullopt;
     if (!expected) continue;
     projected.push_back(*expected);
     landmark_of.push_back(i);
@@ -90,8 +90,8 @@ RelativeScale measure_scale(const TrackingInput& in, const SE3& T_reference_came
     const Eigen::Vector3d p_camera =
         sensor.camera.unproject(features.pixels[match.b].cast<double>(), depth_m);
     const double depth_sigma_m = sensor.noise.plane.inverse_sigma_per_m(1 / depth_m) * depth_m * depth_m;
-    pairs.push_back({local_map.p_reference[landmark_of[match.a]], p_camera,
-                     std::hypot(kLandmarkSigma_m, depth_sigma_m)});
+    pairs.push_back(
+        {local_map.p_reference[landmark_of[match.a]], p_camera, std::hypot(kLandmarkSigma_m, depth_sigma_m)});
   }
   return estimate_scale(pairs, T_reference_camera.R());
 }

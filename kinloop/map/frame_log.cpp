@@ -83,7 +83,8 @@ void keep_matches_of(uint32_t component, TrackedFrame& frame, const Map& map) {
   std::vector<MatchMeasurement> measurements;
   for (size_t i = 0; i < frame.matches.size(); ++i) {
     const LandmarkId landmark = map.resolve_merged(frame.matches[i].landmark);
-    if (map.contains(landmark) && map.keyframe(map.landmark(landmark).anchor).component != component) continue;
+    if (map.contains(landmark) && map.keyframe(map.landmark(landmark).anchor).component != component)
+      continue;
     matches.push_back(frame.matches[i]);
     if (i < frame.measurements.size()) measurements.push_back(frame.measurements[i]);
   }

@@ -17,8 +17,8 @@ struct Keyframe {
   KeyframeId id;
   FrameId frame;
   int64_t stamp_ns = 0;
-  uint32_t component = 0;         ///< poses of different components are not comparable
-  uint32_t visit = 0;  ///< the component in which it was made; differs where loops have joined components
+  uint32_t component = 0;  ///< poses of different components are not comparable
+  uint32_t visit = 0;      ///< the component in which it was made; differs where loops have joined components
   bool begins_component = false;  ///< its motion from earlier keyframes is unknown
   bool withdrawn = false;         ///< its pose turned out to be wrong, see Map::withdraw; not in map files
   SE3 T_world_camera;

@@ -55,7 +55,7 @@ constexpr auto option_names(LoopReason) {
 
 /// Size of a place in one visit relative to another, from the landmarks that both see.
 struct RelativeScale {
-  double factor = 1;  ///< of the visit of `a`, relative to that of `b`
+  double factor = 1;                                       ///< of the visit of `a`, relative to that of `b`
   double sigma = std::numeric_limits<double>::infinity();  ///< standard deviation; infinite if unknown
 };
 

@@ -41,9 +41,8 @@ void Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason) {
   std::vector<LoopEnds> within_visits;
   bool between_visits = false;
   for (const LoopEnds& ends : loops) {
-    const auto found = std::find_if(loop_closures_.begin(), loop_closures_.end(), [&](const LoopClosure& l) {
-      return l.a == ends.a && l.b == ends.b;
-    });
+    const auto found = std::find_if(loop_closures_.begin(), loop_closures_.end(),
+                                    [&](const LoopClosure& l) { return l.a == ends.a && l.b == ends.b; });
     require(found != loop_closures_.end(), "withdraw_loops: no such loop closure");
     LoopClosure loop = *found;
     loop_closures_.erase(found);

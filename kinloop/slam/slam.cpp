@@ -191,8 +191,8 @@ void Slam::apply_results(const AppliedResults& results) {
   }
 }
 
-/// After components were parted: expresses the poses of frames, and that of the tracker, relative to keyframes
-/// of their own visit.
+/// After components were parted: expresses the poses of frames, and that of the tracker, relative to
+/// keyframes of their own visit.
 void Slam::follow_own_part(const std::vector<SE3>& T_world_keyframe_before) {
   log_ = with_references_of_own_visit(std::move(log_), map_, T_world_keyframe_before);
   const KeyframeId old = tracker_.reference();
@@ -202,8 +202,7 @@ void Slam::follow_own_part(const std::vector<SE3>& T_world_keyframe_before) {
   });
   if (!old.valid() || own == keyframes.rend() || own->component == map_.keyframe(old).component)
     return tracker_.update(map_, old);
-  const SE3 T_own_old =
-      T_world_keyframe_before[own->id.value].inverse() * T_world_keyframe_before[old.value];
+  const SE3 T_own_old = T_world_keyframe_before[own->id.value].inverse() * T_world_keyframe_before[old.value];
   tracker_.update(map_, own->id, T_own_old);
 }
 

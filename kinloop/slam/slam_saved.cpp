@@ -58,9 +58,11 @@ void Slam::join_components(uint32_t first) {
   };
   search(first, count);
   const auto are_joined = [&] {
-    return std::any_of(map_.loop_closures().begin(), map_.loop_closures().end(), [&](const LoopClosure& loop) {
-      return std::min(loop.a.value, loop.b.value) < first && std::max(loop.a.value, loop.b.value) >= first;
-    });
+    return std::any_of(map_.loop_closures().begin(), map_.loop_closures().end(),
+                       [&](const LoopClosure& loop) {
+                         return std::min(loop.a.value, loop.b.value) < first &&
+                                std::max(loop.a.value, loop.b.value) >= first;
+                       });
   };
   if (!are_joined()) search(0, first);
   if (!are_joined()) {

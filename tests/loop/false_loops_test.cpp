@@ -89,7 +89,8 @@ class FalseLoops : public testing::Test {
   [[nodiscard]] double largest_error_m() const {
     double largest = 0;
     for (uint32_t i = 0; i < map_.keyframes().size(); ++i) {
-      largest = std::max(largest, test::distance_m(map_.keyframe(KeyframeId{i}).T_world_camera, true_pose(i)));
+      largest =
+          std::max(largest, test::distance_m(map_.keyframe(KeyframeId{i}).T_world_camera, true_pose(i)));
     }
     return largest;
   }

@@ -29,7 +29,8 @@ class Hypotheses : public testing::Test {
     for (const uint32_t visit : {0U, 1U}) {
       for (uint32_t i = 0; i < kPerVisit; ++i) {
         const SE3 T_world_corridor = visit == 0 ? SE3{} : test::camera_at(0.7, {5, 1, 2});
-        map_.add_keyframe(FrameId{visit * kPerVisit + i}, 0, T_world_corridor * place(i), no_features(), visit);
+        map_.add_keyframe(FrameId{visit * kPerVisit + i}, 0, T_world_corridor * place(i), no_features(),
+                          visit);
       }
     }
   }
@@ -155,7 +156,8 @@ TEST_F(Hypotheses, VisitsOfAnotherScaleAreRejected) {
   for (const uint32_t i : {2U, 3U}) add({scaled(i, 0.01)});
   const LoopDecisions refuted = add({scaled(4, 0.01)});
   EXPECT_THAT(refuted.accepted, IsEmpty());
-  EXPECT_THAT(reasons(refuted.others), ElementsAre(LoopReason::kScale, LoopReason::kScale, LoopReason::kScale));
+  EXPECT_THAT(reasons(refuted.others),
+              ElementsAre(LoopReason::kScale, LoopReason::kScale, LoopReason::kScale));
   // The same from measurements that cannot tell.
   for (const uint32_t i : {5U, 6U}) add({scaled(i, 0.1)});
   EXPECT_THAT(add({scaled(7, 0.1)}).accepted, SizeIs(3));

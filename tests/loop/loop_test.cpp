@@ -160,7 +160,8 @@ TEST_F(Loop, VerificationFindsTheTrueMotion) {
 }
 
 TEST_F(Loop, AllPlacesThatPassAreReturned) {
-  const auto verified = verify_loops(question(last_, {KeyframeId{1}, KeyframeId{15}, KeyframeId{2}}), context_);
+  const auto verified =
+      verify_loops(question(last_, {KeyframeId{1}, KeyframeId{15}, KeyframeId{2}}), context_);
   ASSERT_EQ(verified.size(), 2U);
   EXPECT_EQ(verified[0].loop.a, KeyframeId{1});
   EXPECT_EQ(verified[1].loop.a, KeyframeId{2});

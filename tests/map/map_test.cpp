@@ -142,9 +142,8 @@ TEST(Map, OnlyAVerifiedLoopClosureIsAccepted) {
   Map map;
   const KeyframeId a = add_keyframe(map), b = add_keyframe(map);
   LoopClosure loop = verified(a, b, SE3{});
-  for (const auto stage :
-       {LoopStage::kHypothesis, LoopStage::kProvisional, LoopStage::kAccepted, LoopStage::kRejected,
-        LoopStage::kWithdrawn}) {
+  for (const auto stage : {LoopStage::kHypothesis, LoopStage::kProvisional, LoopStage::kAccepted,
+                           LoopStage::kRejected, LoopStage::kWithdrawn}) {
     loop.stage = stage;
     EXPECT_THROW(map.add_loop_closure(loop), std::logic_error);
   }

@@ -63,7 +63,8 @@ class JoinedVisits : public testing::Test {
 
 TEST_F(JoinedVisits, KeyframesKnowTheirVisit) {
   EXPECT_THAT(components(), ElementsAre(0, 0, 0, 0, 0, 0, 0));
-  for (const Keyframe& keyframe : map_.keyframes()) EXPECT_EQ(keyframe.visit, keyframe.id.value < 3 ? 0U : 1U);
+  for (const Keyframe& keyframe : map_.keyframes())
+    EXPECT_EQ(keyframe.visit, keyframe.id.value < 3 ? 0U : 1U);
   map_.set_visit(later_, 0);
   EXPECT_EQ(map_.keyframe(later_).visit, 0U);
   EXPECT_THROW(map_.set_visit(later_, 2), std::logic_error);

@@ -84,7 +84,8 @@ std::map<uint32_t, Keyframe> read_keyframes(const DatabaseReader& file) {
     keyframe.begins_component = row.take<int64_t>() != 0;
     keyframe.T_world_camera = take_pose(row);
     auto features = deserialize_features(row.take<Blob>().bytes);
-    keyframe.visit = row.exhausted() ? keyframe.component : take_index(row, kMaxKeyframes);  // since version 4
+    keyframe.visit =
+        row.exhausted() ? keyframe.component : take_index(row, kMaxKeyframes);  // since version 4
     if (!features || !row.exhausted()) return false;
     keyframe.features = std::make_shared<const Features>(std::move(*features));
     keyframes.emplace(static_cast<uint32_t>(id), std::move(keyframe));

@@ -8,16 +8,17 @@ namespace kinloop::map_tables {
 constexpr DatabaseFormat kKind{0x4b4c4d50, 4};  ///< "KLMP"; increment the version if older readers would fail
 
 // Pose columns: p_world = R(q) * p + t.
-constexpr const char* kAbout = "about";         ///< key, value: row counts per table, etc.
-constexpr const char* kSession = "session";     ///< input, first_frame
-constexpr const char* kOption = "option";       ///< key, value
-constexpr const char* kCamera = "camera";       ///< name, value
-constexpr const char* kSensor = "sensor";       ///< value, sigma, used
-constexpr const char* kKeyframe = "keyframe";   ///< frame, stamp, component, pose, features, visit (since version 4)
+constexpr const char* kAbout = "about";      ///< key, value: row counts per table, etc.
+constexpr const char* kSession = "session";  ///< input, first_frame
+constexpr const char* kOption = "option";    ///< key, value
+constexpr const char* kCamera = "camera";    ///< name, value
+constexpr const char* kSensor = "sensor";    ///< value, sigma, used
+constexpr const char* kKeyframe =
+    "keyframe";  ///< frame, stamp, component, pose, features, visit (since version 4)
 /// a, b, motion, information, inliers, support (since version 4)
 constexpr const char* kLoopEdge = "loop_edge";
-constexpr const char* kLandmark = "landmark";   ///< anchor, position in its frame, observations
-constexpr const char* kImage = "image";         ///< frame, rows, cols, colour, depth
+constexpr const char* kLandmark = "landmark";  ///< anchor, position in its frame, observations
+constexpr const char* kImage = "image";        ///< frame, rows, cols, colour, depth
 /// frame, stamp, status, reference, keyframe, repeat, pose, lag (since version 2), doubtful (since version 3)
 constexpr const char* kFrame = "frame";
 
