@@ -19,9 +19,9 @@ void download(const std::string& url, const std::filesystem::path& file, const P
 /// The largest known archives, scenes of OpenLORIS, have some 30 GB.
 constexpr uint64_t kMaxUnpackedBytes = uint64_t{64} << 30;
 
-/// Unpacks a .tgz, .tar, .zip or .7z of files and folders into `folder`; refuses links, devices and entries that
-/// would land elsewhere. Throws InputError naming the file if it is damaged or truncated, or unpacks to more
-/// than `max_bytes`.
+/// Unpacks a .tgz, .tar, .zip or .7z of files and folders into `folder`; refuses links, devices and entries
+/// that would land elsewhere. Throws InputError naming the file if it is damaged or truncated, or unpacks to
+/// more than `max_bytes`.
 void unpack(const std::filesystem::path& file, const std::filesystem::path& folder,
             uint64_t max_bytes = kMaxUnpackedBytes);
 

@@ -105,7 +105,7 @@ TEST_F(Fetch, SaysWhatIsWrong) {
 TEST_F(Fetch, RefusesLinksDevicesAndMoreThanAnySequenceHas) {
   const std::string made = at("made/rgbd_dataset_freiburg1_room");
   for (const std::string& spoil : {"ln -s /etc/passwd '" + made + "/link'", "mkfifo '" + made + "/pipe'",
-                                   "truncate -s 40G '" + made + "/zeros'"}) {
+                                   "truncate -s 80G '" + made + "/zeros'"}) {
     const auto packed = shell("rm -rf '" + at("data") + "' && " + spoil + " && tar -S -C '" + at("made") +
                               "' -czf '" + at("bad.tgz") + "' rgbd_dataset_freiburg1_room; rm -f '" + made +
                               "'/link '" + made + "'/pipe '" + made + "'/zeros");
