@@ -34,7 +34,7 @@ class TwoVisits : public testing::Test {
   }
 
   Map map_;
-  const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5}};
+  const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5, {}}};
 };
 
 TEST_F(TwoVisits, OfOneRoomAgree) {

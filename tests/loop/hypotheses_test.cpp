@@ -69,7 +69,7 @@ class Hypotheses : public testing::Test {
 
   Map map_;
   LoopHypotheses hypotheses_;
-  const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5}};
+  const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5, {}}};
 };
 
 TEST_F(Hypotheses, ThreeKeyframesThatAgreeAreAccepted) {
