@@ -4,7 +4,7 @@ namespace kinloop {
 
 OptionHistory SlamOptions::history() {
   return {{{"self_calibration.depth_offset_sigma_per_m", "self_calibration.inverse_depth_bias_sigma_per_m"}},
-          {}};
+          {"loop.consistent_keyframes"}};
 }
 
 TrackerOptions tracker_options(const SlamOptions& o) {
