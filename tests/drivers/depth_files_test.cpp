@@ -10,6 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
+#include <sys/resource.h>
 #include <tiffio.h>
 
 #include "drivers/datasets/reading/depth_image.hpp"
@@ -100,6 +101,25 @@ TEST(DepthFiles, TilesOfExrThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
   const std::string high =
       std::string(tiled).replace(columns, 8, std::string_view("\x01\0\0\0\x31\x75\0\0", 8));
   EXPECT_THAT(input_error([&] { decode_depth_file(high); }), HasSubstr("an image of 1 x 30001 pixels"));
+}
+
+TEST(DepthFiles, AttributesOfExrBeyondItsEndAreRefusedBeforeMemoryIsAllocated) {
+  constexpr std::string_view kAttribute("compression\0compression\0", 24),
+      kUnknown("own_remarks\0own_remarks\0", 24);
+  constexpr long kMost_kib = 1 << 18;
+  const auto peak_kib = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  std::string bytes = test::exr_samples().front().bytes;
+  const size_t at = bytes.find(kAttribute);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, kUnknown.size(), kUnknown);
+  bytes.replace(at + kUnknown.size(), 4, std::string_view("\0\0\0\x7f", 4));  // 2 GB
+  const long before_kib = peak_kib();
+  EXPECT_THAT(input_error([&] { decode_depth_file(bytes); }), HasSubstr("damaged or truncated"));
+  EXPECT_LT(peak_kib() - before_kib, kMost_kib);
 }
 
 TEST(DepthFiles, ExrOfSeveralBlocksKeepsEachFloat) {

@@ -1,5 +1,6 @@
 #include "drivers/images/depth_files/exr.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <new>
@@ -48,6 +49,38 @@ class ExrBytes : public Imf::IStream {
   std::string_view bytes_;
   uint64_t at_ = 0;
 };
+
+/// Throws unless all attributes of the headers lie within the file: OpenEXR allocates as much as an attribute
+/// asks for before it reads that.
+void require_whole_headers(std::string_view bytes) {
+  constexpr size_t kMagicBytes = 4;
+  constexpr uint32_t kSeveralParts = 0x1000;
+  bytes.remove_prefix(kMagicBytes);
+  const auto take = [&](size_t size) {
+    if (size > bytes.size()) throw std::runtime_error("truncated");
+    const std::string_view taken = bytes.substr(0, size);
+    bytes.remove_prefix(size);
+    return taken;
+  };
+  const auto take_number = [&] {
+    uint32_t number = 0;
+    std::memcpy(&number, take(sizeof number).data(), sizeof number);
+    return number;
+  };
+  const auto take_text = [&] {
+    take(std::min(bytes.find('\0'), bytes.size()));
+    take(1);
+  };
+  const bool several_parts = (take_number() & kSeveralParts) != 0;
+  do {
+    while (!bytes.starts_with('\0')) {
+      take_text();  // name
+      take_text();  // type
+      take(take_number());
+    }
+    take(1);  // the end of a header
+  } while (several_parts && !bytes.starts_with('\0'));
+}
 
 /// How well a channel's name says that it is depth; less is better.
 int exr_rank(const std::string& name) {
@@ -105,6 +138,7 @@ ExrDepth exr_depth(const Imf::MultiPartInputFile& file) {
 template <class Use>
 auto read_exr(std::string_view bytes, const Use& use) {
   try {
+    require_whole_headers(bytes);
     ExrBytes stream(bytes);
     const bool repair = false;
     Imf::MultiPartInputFile file(stream, 0, repair);
