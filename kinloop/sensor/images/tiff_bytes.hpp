@@ -28,8 +28,7 @@ class TiffBytes {
       : bytes_(bytes), is_swapped_(bytes.starts_with("MM") == (std::endian::native == std::endian::little)) {}
 
   [[nodiscard]] std::string_view block(uint64_t at, uint64_t size) const {
-    if (at > bytes_.size() || size > bytes_.size() - at)
-      throw InputError("an EXIF block is truncated");
+    if (at > bytes_.size() || size > bytes_.size() - at) throw InputError("an EXIF block is truncated");
     return bytes_.substr(static_cast<size_t>(at), static_cast<size_t>(size));
   }
 
