@@ -122,7 +122,8 @@ def main():
                 killed[name] += 1
     finally:
         cluster.end()
-    batch(folder / "suite.yaml", "-o", folder / "killed", "--program", arguments.program, "--workers", 1)  # what was killed three times
+    # Runs that were killed three times in a row are left to the next batch.
+    batch(folder / "suite.yaml", "-o", folder / "killed", "--program", arguments.program, "--workers", 1)
     attempts = [json.loads(path.read_text())["attempts"] for path in (folder / "killed" / "runs").glob("*/result.json")]
     same = table_of(folder / "undisturbed") == table_of(folder / "killed")
     files = hashes_of(folder / "undisturbed")
