@@ -103,15 +103,18 @@ TEST(DepthFiles, TilesOfExrThatNoImageHasAreRefusedBeforeMemoryIsAllocated) {
   EXPECT_THAT(input_error([&] { decode_depth_file(high); }), HasSubstr("an image of 1 x 30001 pixels"));
 }
 
+constexpr long kMost_kib = 1 << 18;
+
+/// The most memory that this process has used so far.
+long peak_kib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
 TEST(DepthFiles, AttributesOfExrBeyondItsEndAreRefusedBeforeMemoryIsAllocated) {
   constexpr std::string_view kAttribute("compression\0compression\0", 24),
       kUnknown("own_remarks\0own_remarks\0", 24);
-  constexpr long kMost_kib = 1 << 18;
-  const auto peak_kib = [] {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return usage.ru_maxrss;
-  };
   std::string bytes = test::exr_samples().front().bytes;
   const size_t at = bytes.find(kAttribute);
   ASSERT_NE(at, std::string::npos);
@@ -119,6 +122,19 @@ TEST(DepthFiles, AttributesOfExrBeyondItsEndAreRefusedBeforeMemoryIsAllocated) {
   bytes.replace(at + kUnknown.size(), 4, std::string_view("\0\0\0\x7f", 4));  // 2 GB
   const long before_kib = peak_kib();
   EXPECT_THAT(input_error([&] { decode_depth_file(bytes); }), HasSubstr("damaged or truncated"));
+  EXPECT_LT(peak_kib() - before_kib, kMost_kib);
+}
+
+TEST(DepthFiles, ChannelsOfExrThatDoNotEndAreRefusedBeforeMemoryIsAllocated) {
+  constexpr std::string_view kType("chlist\0", 7);
+  const long before_kib = peak_kib();
+  for (const test::ExrSample& sample : test::exr_samples()) {
+    SCOPED_TRACE(sample.compression);
+    const size_t list = sample.bytes.find(kType) + kType.size() + sizeof(uint32_t);
+    const size_t first = sample.bytes.find('\0', list) + 1;
+    const std::string longer = std::string(sample.bytes).insert(first + 2, "\xff\xff\xff\xef");
+    EXPECT_THAT(input_error([&] { decode_depth_file(longer); }), HasSubstr("damaged"));
+  }
   EXPECT_LT(peak_kib() - before_kib, kMost_kib);
 }
 

@@ -50,6 +50,19 @@ class ExrBytes : public Imf::IStream {
   uint64_t at_ = 0;
 };
 
+/// Throws unless a list of channels ends where it says: OpenEXR reads on until it finds an end, and takes
+/// what follows for something else.
+void require_whole_channels(std::string_view list) {
+  constexpr size_t kChannelBytes = 16;  // after the name: its type, sampling and reserved bytes
+  while (!list.starts_with('\0')) {
+    const size_t size = list.find('\0') + 1 + kChannelBytes;
+    if (list.find('\0') == std::string_view::npos || size > list.size())
+      throw std::runtime_error("channels without an end");
+    list.remove_prefix(size);
+  }
+  if (list.size() != 1) throw std::runtime_error("bytes after the channels");
+}
+
 /// Throws unless all attributes of the headers lie within the file: OpenEXR allocates as much as an attribute
 /// asks for before it reads that.
 void require_whole_headers(std::string_view bytes) {
@@ -68,15 +81,16 @@ void require_whole_headers(std::string_view bytes) {
     return number;
   };
   const auto take_text = [&] {
-    take(std::min(bytes.find('\0'), bytes.size()));
+    const std::string_view text = take(std::min(bytes.find('\0'), bytes.size()));
     take(1);
+    return text;
   };
   const bool several_parts = (take_number() & kSeveralParts) != 0;
   do {
     while (!bytes.starts_with('\0')) {
       take_text();  // name
-      take_text();  // type
-      take(take_number());
+      const std::string_view type = take_text(), value = take(take_number());
+      if (type == "chlist") require_whole_channels(value);
     }
     take(1);  // the end of a header
   } while (several_parts && !bytes.starts_with('\0'));
