@@ -66,7 +66,12 @@ bool all_fit(const LoopCorrectionProblem& problem, const std::vector<SE3>& T_wor
 
 /// Solves all loops as measured, with the odometry before any of them, by graduated non-convexity.
 std::vector<SE3> solve_robustly(const LoopCorrectionProblem& problem, const LoopOptions& options) {
+  // Its edges share landmarks, three to a keyframe, and the errors of successive keyframes are correlated,
+  // which adds five times the variance (online_covariance). Taken as independent, they outvote six loops that
+  // agree.
+  constexpr double kCorrelation = 15;
   PoseGraph graph{problem.graph.T_world_vertex, problem.graph.fixed, problem.odometry};
+  for (PoseGraphEdge& edge : graph.edges) edge.information /= kCorrelation;
   for (const LoopClosure& loop : problem.loops)
     graph.edges.push_back({loop.a.value, loop.b.value, loop.T_a_b, judged_information(loop, options)});
   PoseGraphOptions robust = options.pose_graph;
