@@ -150,7 +150,7 @@ void UnbentOdometry::observe(const Map& map, const LoopOptions& options) {
   });
 }
 
-PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, LoopEdges loops) {
   PoseGraph graph;
   std::set<uint32_t> held;
   for (const Keyframe& keyframe : map.keyframes()) {
@@ -161,7 +161,8 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
     add_edges_to_older(
         map, keyframe, options, [](KeyframeId) { return true; }, graph.edges);
   for (const LoopClosure& loop : map.loop_closures()) {
-    const SE3 T_a_b = loop.corrected ? current_pose(map, loop.a, loop.b) : loop.T_a_b;
+    const bool by_map = loops == LoopEdges::kAsCorrected && loop.corrected;
+    const SE3 T_a_b = by_map ? current_pose(map, loop.a, loop.b) : loop.T_a_b;
     graph.edges.push_back({loop.a.value, loop.b.value, T_a_b, loop.information});
   }
   return graph;
@@ -170,8 +171,12 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options) {
 LoopCorrectionProblem make_loop_correction_problem(const Map& map, std::vector<LoopMerges> merges,
                                                    const UnbentOdometry& odometry,
                                                    const LoopOptions& options) {
-  return {make_pose_graph(map, options), map.loop_closures(), odometry.edges(), std::move(merges),
-          map.keyframes().back().id,     map.epoch()};
+  return {make_pose_graph(map, options, LoopEdges::kAsCorrected),
+          map.loop_closures(),
+          odometry.edges(),
+          std::move(merges),
+          map.keyframes().back().id,
+          map.epoch()};
 }
 
 LoopCorrection correct_loop(const LoopCorrectionProblem& problem, const LoopOptions& options) {

@@ -43,11 +43,18 @@ struct LoopCorrectionProblem {
 /// Returns the keyframe preceding this one in its visit; nullopt if its motion from there is unknown.
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
 
+/// The relative poses of loop closures in a pose graph.
+enum class LoopEdges {
+  kAsMeasured,
+  /// By the current poses where the map has been corrected for the loop: its landmarks are merged and
+  /// adjusted then, so that these are better than the measurement.
+  kAsCorrected,
+};
+
 /// Builds edges between successive keyframes and between keyframes that share many landmarks, from their
-/// current poses, and last an edge for each loop closure: as measured or, where the map has been corrected
-/// for it, by the current poses too. Its landmarks are merged and adjusted then, so that these are better
-/// than the measurement. The first keyframe of each component is constant.
-PoseGraph make_pose_graph(const Map& map, const LoopOptions& options);
+/// current poses, and last an edge for each loop closure. The first keyframe of each component is constant.
+PoseGraph make_pose_graph(const Map& map, const LoopOptions& options,
+                          LoopEdges loops = LoopEdges::kAsMeasured);
 
 /// Returns the information matrix of a relative pose constrained by `shared` landmarks, for (translation;
 /// quaternion vector part) as in pose_graph.hpp.

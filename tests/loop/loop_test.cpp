@@ -268,7 +268,7 @@ TEST_F(Loop, CorrectedLoopsEnterThePoseGraphAsTheMapHasThem) {
         {KeyframeId{a}, last_, T_a_b, 7 * Matrix6d::Identity(), {30}, LoopStage::kVerified});
   }
   built_.map.mark_corrected(std::vector<LoopEnds>{{KeyframeId{0}, last_}});
-  const PoseGraph graph = make_pose_graph(built_.map, {});
+  const PoseGraph graph = make_pose_graph(built_.map, {}, LoopEdges::kAsCorrected);
   const auto& corrected = graph.edges[graph.edges.size() - 2];
   const SE3 of_map =
       built_.map.keyframe(KeyframeId{0}).T_world_camera.inverse() * built_.map.keyframe(last_).T_world_camera;
@@ -276,6 +276,8 @@ TEST_F(Loop, CorrectedLoopsEnterThePoseGraphAsTheMapHasThem) {
   EXPECT_EQ(graph.edges.back().T_a_b.matrix(), T_a_b.matrix());
   EXPECT_EQ(corrected.information, graph.edges.back().information);
   EXPECT_FALSE(corrected.is_odometry);
+  const PoseGraph measured = make_pose_graph(built_.map, {}, LoopEdges::kAsMeasured);
+  EXPECT_EQ(measured.edges[measured.edges.size() - 2].T_a_b.matrix(), T_a_b.matrix());
 }
 
 TEST_F(Loop, ALostFrameIsRelocalized) {
