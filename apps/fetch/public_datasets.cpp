@@ -16,8 +16,7 @@ constexpr std::string_view kOpenLorisServer =
 constexpr std::string_view kOpenLorisEvidence = "color.txt";
 constexpr std::string_view kOpenLorisLicence =
     "Creative Commons Attribution-NoDerivatives 4.0 (CC BY-ND 4.0); cite Shi et al., Are We Ready for "
-    "Service "
-    "Robots? The OpenLORIS-Scene Datasets for Lifelong SLAM, ICRA 2020";
+    "Service Robots? The OpenLORIS-Scene Datasets for Lifelong SLAM, ICRA 2020";
 
 /// A scene of OpenLORIS: an archive of archives, one a sequence.
 constexpr PublicDataset part_of_open_loris(std::string_view pattern, std::string_view archive,
@@ -31,9 +30,7 @@ constexpr PublicDataset part_of_open_loris(std::string_view pattern, std::string
           .folder = folder,
           .sequence = "$1",
           .evidence = kOpenLorisEvidence,
-          .licence = kOpenLorisLicence,
-          .access = "",
-          .server_variable = ""};
+          .licence = kOpenLorisLicence};
 }
 
 constexpr auto kPublic = std::to_array<PublicDataset>({
@@ -47,9 +44,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "",
      .evidence = "rgb.txt",
      .licence = "Creative Commons Attribution 4.0 (CC BY 4.0); cite Sturm et al., A Benchmark for the "
-                "Evaluation of RGB-D SLAM Systems, IROS 2012",
-     .access = "",
-     .server_variable = ""},
+                "Evaluation of RGB-D SLAM Systems, IROS 2012"},
     {.title = "ETH3D SLAM",
      .examples = "eth3d/cables_1, eth3d/sfm_bench",
      .pattern = "eth3d/([a-z0-9_]+)",
@@ -60,9 +55,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "",
      .evidence = "depth.txt",
      .licence = "CC BY-NC-SA 4.0, not for commercial use; cite Schoeps et al., BAD SLAM: Bundle Adjusted "
-                "Direct RGB-D SLAM, CVPR 2019",
-     .access = "",
-     .server_variable = ""},
+                "Direct RGB-D SLAM, CVPR 2019"},
     {.title = "ICL-NUIM living room",
      .examples = "icl/living_room_traj0, ..., 3; with noise icl/living_room_traj0n, ..., 3n",
      .pattern = "icl/living_room_traj([0-3]n?)(?:_frei_png)?",
@@ -73,9 +66,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "",
      .evidence = "associations.txt",
      .licence = "CC BY 3.0; cite Handa et al., A Benchmark for RGB-D Visual Odometry, 3D Reconstruction "
-                "and SLAM, ICRA 2014",
-     .access = "",
-     .server_variable = ""},
+                "and SLAM, ICRA 2014"},
     {.title = "ICL-NUIM office",
      .examples = "icl/office_traj0, ..., 3; with noise icl/office_traj0n, ..., 3n",
      .pattern = "icl/(?:office_)?traj([0-3]n?)(?:_frei_png)?",
@@ -86,9 +77,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "",
      .evidence = "associations.txt",
      .licence = "CC BY 3.0; cite Handa et al., A Benchmark for RGB-D Visual Odometry, 3D Reconstruction "
-                "and SLAM, ICRA 2014",
-     .access = "",
-     .server_variable = ""},
+                "and SLAM, ICRA 2014"},
     {.title = "7-Scenes",
      .examples = "7scenes/redkitchen/seq-01; all sequences of a scene come in one archive",
      .pattern = "7scenes/(chess|fire|heads|office|pumpkin|redkitchen|stairs)/(seq-[0-9]{2})",
@@ -99,9 +88,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "$2",
      .evidence = "frame-000000.pose.txt",
      .licence = "Microsoft Research licence, not for commercial use; cite Shotton et al., Scene Coordinate "
-                "Regression Forests for Camera Relocalization in RGB-D Images, CVPR 2013",
-     .access = "",
-     .server_variable = ""},
+                "Regression Forests for Camera Relocalization in RGB-D Images, CVPR 2013"},
     {.title = "Bonn RGB-D Dynamic",
      .examples = "bonn/balloon, bonn/person_tracking2, bonn/static",
      .pattern = "bonn/([a-z0-9_]+)",
@@ -112,9 +99,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "",
      .evidence = "rgb.txt",
      .licence = "none stated; for research; cite Palazzolo et al., ReFusion: 3D Reconstruction in Dynamic "
-                "Environments for RGB-D Cameras Exploiting Residuals, IROS 2019",
-     .access = "",
-     .server_variable = ""},
+                "Environments for RGB-D Cameras Exploiting Residuals, IROS 2019"},
     {.title = "Replica, as rendered for iMAP and NICE-SLAM",
      .examples = "replica/room0, ..., 2, replica/office0, ..., 4; all come in one archive of 12 GB",
      .pattern = "replica/(room[0-2]|office[0-4])",
@@ -125,9 +110,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .sequence = "$1",
      .evidence = "traj.txt",
      .licence = "Replica Dataset Research Terms, not for commercial use; cite Straub et al., The Replica "
-                "Dataset, 2019, and Sucar et al., iMAP, ICCV 2021",
-     .access = "",
-     .server_variable = ""},
+                "Dataset, 2019, and Sucar et al., iMAP, ICCV 2021"},
     part_of_open_loris("openloris/(cafe1-[12])", "package/cafe1-1_2-package.tar", "openloris/cafe1",
                        "openloris/cafe1-1, corridor1-5, home1-5, market1-3, office1-7; all sequences of a "
                        "scene come in one archive of up to 33 GB"),
@@ -145,9 +128,7 @@ constexpr auto kPublic = std::to_array<PublicDataset>({
      .folder = "openloris/corridor1-1",
      .sequence = "",
      .evidence = kOpenLorisEvidence,
-     .licence = kOpenLorisLicence,
-     .access = "",
-     .server_variable = ""},
+     .licence = kOpenLorisLicence},
     {.title = "ScanNet",
      .examples = "scannet/scene0000_00, ..., scene0706_00",
      .pattern = "scannet/(scene[0-9]{4}_[0-9]{2})",

@@ -21,8 +21,8 @@ struct PublicDataset {
   std::string_view sequence;  ///< in `folder`, perhaps as an archive of its own; "" if it is `folder` itself
   std::string_view evidence;  ///< a file of every sequence
   std::string_view licence;
-  std::string_view access;           ///< how to come by the server's address
-  std::string_view server_variable;  ///< the environment variable that has it
+  std::string_view access = "";           ///< how to come by the server's address
+  std::string_view server_variable = "";  ///< the environment variable that has it
 };
 
 /// The datasets that can be downloaded.

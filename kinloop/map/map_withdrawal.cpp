@@ -4,33 +4,12 @@
 #include <algorithm>
 #include <set>
 
+#include "kinloop/core/disjoint_sets.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/map/map.hpp"
 
 namespace kinloop {
 namespace {
-
-/// Finds what belongs together (union-find without ranks: there are few visits).
-class Partition {
- public:
-  explicit Partition(uint32_t count) : parent_(count) {
-    for (uint32_t i = 0; i < count; ++i) parent_[i] = i;
-  }
-
-  [[nodiscard]] uint32_t root(uint32_t i) const {
-    while (parent_[i] != i) i = parent_[i];
-    return i;
-  }
-
-  /// The lower root remains.
-  void join(uint32_t i, uint32_t j) {
-    i = root(i), j = root(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 /// The number of keyframes after which a track of a landmark is said to be interrupted.
 constexpr uint32_t kInterruption = 5;
@@ -63,13 +42,13 @@ void Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason) {
 /// Gives the visits of a component that no loop closure joins any more components of their own. That of the
 /// oldest keyframe keeps the number.
 void Map::part_components() {
-  Partition visits(component_count_);
+  DisjointSets visits(component_count_);
   for (const LoopClosure& loop : loop_closures_) visits.join(keyframe(loop.a).visit, keyframe(loop.b).visit);
   std::vector<uint32_t> side_of;  // by keyframe
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> component_of;
   std::set<uint32_t> kept;
   for (Keyframe& keyframe : keyframes_) {
-    const uint32_t side = visits.root(keyframe.visit);
+    const uint32_t side = visits.find(keyframe.visit);
     side_of.push_back(side);
     const auto [part, is_new] = component_of.try_emplace({keyframe.component, side}, keyframe.component);
     if (is_new && !kept.insert(keyframe.component).second) {

@@ -1,32 +1,10 @@
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 
-#include <numeric>
-
 #include <Eigen/Geometry>
 
+#include "kinloop/core/disjoint_sets.hpp"
+
 namespace kinloop {
-namespace {
-
-/// Union-find; a set is represented by its lowest member (Tarjan 1975, with path halving).
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-
-  uint32_t find(uint32_t member) {
-    while (parent_[member] != member) member = parent_[member] = parent_[parent_[member]];
-    return member;
-  }
-
-  void join(uint32_t a, uint32_t b) {
-    a = find(a), b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
-
-}  // namespace
 
 std::vector<Eigen::Vector3f> vertex_normals(const ColoredMesh& mesh) {
   std::vector<Eigen::Vector3f> normals(mesh.points.size(), Eigen::Vector3f::Zero());
