@@ -13,7 +13,7 @@ find_package)
   cmake --install "$kinloop_build" --prefix "$work/installed" >"$work/install.log"
   arguments+=("-DCMAKE_PREFIX_PATH=$work/installed")
   ;;
-add_subdirectory)  # without g2o, whose sources take the most time to configure
+add_subdirectory)  # without g2o, which is faster
   arguments+=("-DKINLOOP_SOURCE=$source" -DKINLOOP_WITHOUT=g2o)
   ;;
 fetch_content)
