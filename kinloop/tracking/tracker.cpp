@@ -332,7 +332,6 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
       tracked, earlier, earlier.T_reference_camera.inverse() * tracked.T_reference_camera, sensor);
   if (moving.empty()) return;
   tracked.moved = tracked.moved.empty() ? moving : tracked.moved | moving;
-  tracked.evidence.moved_share = marked_share(tracked.moved);
 }
 
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
@@ -434,7 +433,7 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
-  if (!latest.moved.empty()) moved_ns_ = latest.stamp_ns;
+  if (latest.evidence.moved_share > 0) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
   keep_since(hypothesis_since_ns_, is_hypothesis(latest), latest.stamp_ns);
   if (latest.is_lost()) {

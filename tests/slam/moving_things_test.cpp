@@ -100,7 +100,7 @@ constexpr double kMaxError_m = 0.03;
 TEST_F(MovingThings, NothingMovesInAStaticRoom) {
   EXPECT_LT(max_error_m(), kMaxError_m);
   EXPECT_EQ(trusted_, room_.frames.size());
-  EXPECT_LT(most_moved_, 0.02);
+  EXPECT_EQ(most_moved_, 0);
   EXPECT_EQ(withdrawn_, 0);
   EXPECT_TRUE(camera_mask_.empty());
 }
@@ -138,7 +138,6 @@ TEST_F(MovingThings, ABlockThatEntersWithAPartOfTheRoomNeverSeenIsNotMapped) {
   max_error_m();
   // Half of them, unless keypoints that move are left out of new keyframes.
   EXPECT_LT(observed_share(kBlock_m), 0.15);
-  EXPECT_GT(most_moved_, 0.1);
 }
 
 TEST_F(MovingThings, TheUsersMaskIsUsedFromTheFirstFrameOn) {
