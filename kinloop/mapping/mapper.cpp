@@ -34,9 +34,7 @@ KeyframeId add_keyframe(Map& map, const TrackedFrame& tracked) {
 /// The points that have moved, by surfaces of more keyframes than tracking compares, or by tracking.
 cv::Mat all_moved(const LocalMap& before, const TrackedFrame& tracked) {
   if (!tracked.is_located()) return {};
-  cv::Mat by_surfaces = moved_points(before, *tracked.frame, tracked.T_reference_camera);
-  if (tracked.moved.empty()) return by_surfaces;
-  return by_surfaces.empty() ? tracked.moved : by_surfaces | tracked.moved;
+  return marked_in_either(moved_points(before, *tracked.frame, tracked.T_reference_camera), tracked.moved);
 }
 
 }  // namespace

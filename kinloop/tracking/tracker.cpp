@@ -328,10 +328,8 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
   };
   const auto newest = std::find_if(recent_.rbegin(), recent_.rend(), is_old_enough);
   const TrackedFrame& earlier = newest == recent_.rend() ? recent_.front() : *newest;
-  const cv::Mat moving = moving_points(
-      tracked, earlier, earlier.T_reference_camera.inverse() * tracked.T_reference_camera, sensor);
-  if (moving.empty()) return;
-  tracked.moved = tracked.moved.empty() ? moving : tracked.moved | moving;
+  const SE3 T_earlier_tracked = earlier.T_reference_camera.inverse() * tracked.T_reference_camera;
+  tracked.moved = marked_in_either(tracked.moved, moving_points(tracked, earlier, T_earlier_tracked, sensor));
 }
 
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
@@ -433,6 +431,7 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
+  // Not by keypoints alone, which also seem to move at the edge of a mask.
   if (latest.evidence.moved_share > 0) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
   keep_since(hypothesis_since_ns_, is_hypothesis(latest), latest.stamp_ns);

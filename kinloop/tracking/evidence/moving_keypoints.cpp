@@ -76,11 +76,10 @@ std::vector<std::optional<float>> displacements_px(const std::vector<ExpectedKey
 class GridCounts {
  public:
   explicit GridCounts(const SurfaceCamera& camera)
-      : spacing_px_(static_cast<float>(camera.spacing_px)),
-        counts_(cv::Mat::zeros(camera.grid.height, camera.grid.width, CV_32FC1)) {}
+      : camera_(camera), counts_(cv::Mat::zeros(camera.grid.height, camera.grid.width, CV_32FC1)) {}
 
   void add(const Eigen::Vector2f& pixel) {
-    const Eigen::Vector2i point = ((pixel.array() + 0.5F) / spacing_px_).floor().cast<int>();
+    const Eigen::Vector2i point = nearest_point(camera_, pixel).cast<int>();
     const bool inside =
         point.x() >= 0 && point.y() >= 0 && point.x() < counts_.cols && point.y() < counts_.rows;
     if (inside) ++counts_.at<float>(point.y(), point.x());
@@ -94,7 +93,7 @@ class GridCounts {
   }
 
  private:
-  float spacing_px_;
+  const SurfaceCamera& camera_;
   cv::Mat counts_;
 };
 
