@@ -52,7 +52,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
       options_(validated(options)),
-      sensor_estimate_(nominal_estimate(make_sensor(camera, options.noise))),
+      sensor_estimate_(nominal_estimate(camera, options.noise)),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
       front_end_(sensor(), options_.features),
       tracker_(sensor(), tracker_options(options_), timings_),
@@ -60,7 +60,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       relocalizer_([this](const Frame& frame) { return places_.relocalize(frame, map_); }),
       mapper_(mapper_options(options_)),
       places_(sensor(), place_options(options_), std::move(vocabulary)),
-      back_end_(map_, sensor(), back_end_options(options_)),
+      back_end_(map_, sensor_estimate_, back_end_options(options_)),
       online_covariance_(depth_scale_sigma(camera.sensor.kind)) {}
 
 TrackedFrame Slam::process(const Frame& frame) {
