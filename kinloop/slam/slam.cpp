@@ -82,6 +82,8 @@ TrackedFrame Slam::process(const Frame& frame) {
     insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
+  odometry_.update(tracked, map_);
+  tracked.T_map_odom = odometry_.T_map_odom();
   tracked.world_covariance = online_covariance_.add(tracked);
   if (tracked.is_repeat() && tracked.doubtful) doubt_repeats();
   add_to_log(tracked);
