@@ -2,7 +2,7 @@
 # built from its sources: G2oSources.cmake.
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
-find_package(OpenCV REQUIRED COMPONENTS core imgproc features2d calib3d)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc features2d calib3d video)
 find_package(Ceres REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -17,7 +17,7 @@ endif()
 # OpenCV's config lists plain libraries; one target combines them with its headers as system headers.
 add_library(kinloop_opencv INTERFACE)
 target_include_directories(kinloop_opencv SYSTEM INTERFACE $<BUILD_INTERFACE:${OpenCV_INCLUDE_DIRS}>)
-target_link_libraries(kinloop_opencv INTERFACE opencv_core opencv_imgproc opencv_features2d opencv_calib3d)
+target_link_libraries(kinloop_opencv INTERFACE opencv_core opencv_imgproc opencv_features2d opencv_calib3d opencv_video)
 
 # SuiteSparse has its own CMake files only from version 6 on.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)

@@ -45,13 +45,23 @@ function(kinloop_program name)
   kinloop_compile_options(${name})
 endfunction()
 
-# kinloop_test(NAME [LIBRARIES target...])
-# One GoogleTest program test_<NAME> from tests/<NAME>/*.cpp; each of its tests is a separate CTest test.
+# kinloop_test(NAME [LIBRARIES target...] [TOGETHER suite...])
+# One GoogleTest program test_<NAME> from tests/<NAME>/*.cpp; each of its tests is a separate CTest test, but for suites
+# whose tests share what takes long to make (a rendered recording, a finished run): each of them is one CTest test.
 function(kinloop_test name)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LIBRARIES;TOGETHER" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   kinloop_program(test_${name} SOURCES ${sources} LIBRARIES ${ARG_LIBRARIES} kinloop_test_support GTest::gmock
                                                             GTest::gtest_main)
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # halves the compile time; the library is at -O3
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  set(others "*")
+  if(ARG_TOGETHER)
+    list(JOIN ARG_TOGETHER ".*:" others)
+    set(others "-${others}.*")
+  endif()
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. TEST_FILTER ${others} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  foreach(suite ${ARG_TOGETHER})
+    add_test(NAME ${name}.${suite} COMMAND test_${name} --gtest_filter=${suite}.*)
+    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600 COST 60)  # the longest begin first
+  endforeach()
 endfunction()

@@ -54,18 +54,21 @@ float exposure(const Bvh& bvh, const Eigen::Vector3f& origin, const Eigen::Vecto
   constexpr int kSamples = kLightPackets * kLanes;
   for (int first = 0; first < kSamples; first += kLanes) {
     std::array<Eigen::Vector3f, kLanes> to_light;
+    Lanes cosine{};
     for (int lane = 0; lane < kLanes; ++lane) {
       const int column = lane, row = first / kLanes;
       const float u = (static_cast<float>(column) + 0.5F) * 2 / kLanes - 1;
       const float v = (static_cast<float>(row) + 0.5F) * 2 / kLightPackets - 1;
-      to_light[static_cast<size_t>(lane)] = light.center + u * light.half_u + v * light.half_v - origin;
+      const auto i = static_cast<size_t>(lane);
+      to_light[i] = light.center + u * light.half_u + v * light.half_v - origin;
+      cosine[lane] = to_light[i].normalized().dot(normal);
     }
+    if (!any(cosine > 0)) continue;  // the surface faces away: nothing needs to be traced
     const LaneMask blocker = bvh.nearest(packet(origin, to_light), 1.0F).primitive;
     for (int lane = 0; lane < kLanes; ++lane) {
       const Eigen::Vector3f& ray = to_light[static_cast<size_t>(lane)];
-      const float cosine = ray.normalized().dot(normal);
       // 1 + d^2 keeps the light finite next to the lamp.
-      if (blocker[lane] < 0 && cosine > 0) sum += cosine * 2 / (1 + ray.squaredNorm());
+      if (blocker[lane] < 0 && cosine[lane] > 0) sum += cosine[lane] * 2 / (1 + ray.squaredNorm());
     }
   }
   return sum / kSamples;

@@ -31,6 +31,12 @@ KeyframeId add_keyframe(Map& map, const TrackedFrame& tracked) {
   return add(T_world_last, map.component_count());
 }
 
+/// The points that have moved, by surfaces of more keyframes than tracking compares, or by tracking.
+cv::Mat all_moved(const LocalMap& before, const TrackedFrame& tracked) {
+  if (!tracked.is_located()) return {};
+  return marked_in_either(moved_points(before, *tracked.frame, tracked.T_reference_camera), tracked.moved);
+}
+
 }  // namespace
 
 /// Moves the keypoints of a new keyframe to where its landmarks are found by their patches in earlier
@@ -54,8 +60,7 @@ KeyframeId Mapper::insert(Map& map, const TrackedFrame& tracked, const Sensor& s
   add_observations(map, id, tracked.matches);
   match_local_map(map, id, make_local_map(map, id, options_.local_map), sensor.camera, options_.mapping);
   if (tracked.is_located()) refine_observations(map, id, before, tracked, sensor);
-  const cv::Mat moved =
-      tracked.is_located() ? moved_points(before, *tracked.frame, tracked.T_reference_camera) : cv::Mat();
+  const cv::Mat moved = all_moved(before, tracked);
   map.set_surfaces(id, moved.empty() ? tracked.frame->surfaces
                                      : std::make_shared<const SurfaceGrid>(
                                            without_points(*tracked.frame->surfaces, moved)));

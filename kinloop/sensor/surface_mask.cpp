@@ -25,10 +25,18 @@ double marked_share(const cv::Mat& marked) {
                         : static_cast<double>(cv::countNonZero(marked)) / static_cast<double>(marked.total());
 }
 
+cv::Mat marked_in_either(const cv::Mat& a, const cv::Mat& b) {
+  if (a.empty()) return b;
+  return b.empty() ? a : cv::Mat(a | b);
+}
+
+Eigen::Vector2f nearest_point(const SurfaceCamera& camera, const Eigen::Vector2f& pixel) {
+  return ((pixel.array() + 0.5F) / static_cast<float>(camera.spacing_px)).floor();
+}
+
 bool is_marked(const cv::Mat& marked, const SurfaceCamera& camera, const Eigen::Vector2f& pixel) {
   if (marked.empty()) return false;
-  const auto spacing = static_cast<float>(camera.spacing_px);
-  const Eigen::Vector2f point = ((pixel.array() + 0.5F) / spacing).floor();
+  const Eigen::Vector2f point = nearest_point(camera, pixel);
   const int x = static_cast<int>(std::clamp(point.x(), 0.0F, static_cast<float>(marked.cols - 1)));
   const int y = static_cast<int>(std::clamp(point.y(), 0.0F, static_cast<float>(marked.rows - 1)));
   return marked.ptr<uint8_t>(y)[x] != 0;

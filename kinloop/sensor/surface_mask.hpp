@@ -15,6 +15,12 @@ SurfaceGrid without_points(SurfaceGrid surfaces, const cv::Mat& marked);
 /// Returns the share of the points that are marked, 0 to 1; 0 if `marked` is empty.
 double marked_share(const cv::Mat& marked);
 
+/// Returns the points that are marked in `a` or in `b`; either may be empty.
+cv::Mat marked_in_either(const cv::Mat& a, const cv::Mat& b);
+
+/// Returns column and row of the point nearest to an undistorted pixel, which may lie beyond the grid.
+Eigen::Vector2f nearest_point(const SurfaceCamera& camera, const Eigen::Vector2f& pixel);
+
 /// Returns whether an undistorted pixel lies at a marked point; `marked` may be empty.
 bool is_marked(const cv::Mat& marked, const SurfaceCamera& camera, const Eigen::Vector2f& pixel);
 

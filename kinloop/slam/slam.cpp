@@ -142,9 +142,11 @@ bool Slam::compensate_first(const TrackedFrame& second) {
 /// Returns the frame with all of its keypoints if it should become a keyframe.
 std::optional<TrackedFrame> Slam::select_keyframe(const TrackedFrame& tracked) {
   if (options_.localize_only) return std::nullopt;
-  return keyframes_.select(tracked, map_, [this](const TrackedFrame& by_patches) {
+  auto selected = keyframes_.select(tracked, map_, [this](const TrackedFrame& by_patches) {
     return tracker_.rematch_keypoints(by_patches, sensor());
   });
+  if (selected) tracker_.find_moving(*selected, sensor());
+  return selected;
 }
 
 void Slam::submit_jobs(FrameId now, KeyframeId new_keyframe) {

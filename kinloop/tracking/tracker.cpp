@@ -12,6 +12,7 @@
 #include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/evidence/moved_points.hpp"
+#include "kinloop/tracking/evidence/moving_keypoints.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion_compensation.hpp"
@@ -317,6 +318,20 @@ void Tracker::find_moved(TrackedFrame& tracked, const Frame& frame) const {
                                T_reference_camera);
 }
 
+void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
+  const ScopedTimer timer(timings_, "moving keypoints");
+  if (!tracked.is_located() || recent_.empty() || recent_.back().reference != tracked.reference) return;
+  // In a tenth of a second, what moves is displaced by more than the keypoints are imprecise.
+  constexpr int64_t kMinInterval_ns = kNsPerSecond / 11;
+  const auto is_old_enough = [&](const TrackedFrame& frame) {
+    return tracked.stamp_ns - frame.stamp_ns >= kMinInterval_ns;
+  };
+  const auto newest = std::find_if(recent_.rbegin(), recent_.rend(), is_old_enough);
+  const TrackedFrame& earlier = newest == recent_.rend() ? recent_.front() : *newest;
+  const SE3 T_earlier_tracked = earlier.T_reference_camera.inverse() * tracked.T_reference_camera;
+  tracked.moved = marked_in_either(tracked.moved, moving_points(tracked, earlier, T_earlier_tracked, sensor));
+}
+
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
 bool Tracker::follows_weak_pose() const {
   return previous_ && lost_frames_ == 0 && previous_->doubtful && is_few(*previous_);
@@ -365,6 +380,7 @@ void Tracker::update(const Map& map, KeyframeId reference, const SE3& T_referenc
     previous_->T_reference_camera = T_reference_old * previous_->T_reference_camera;
     previous_->reference = reference;
   }
+  recent_.clear();
   update(map, reference);
 }
 
@@ -379,6 +395,7 @@ void Tracker::set_first_velocity(const Velocity& velocity, int64_t interval_ns, 
 
 void Tracker::reset() {
   previous_.reset();
+  recent_.clear();
   local_map_ = {};
   motion_.reset();
   lost_frames_ = 0;
@@ -389,11 +406,22 @@ void Tracker::reset() {
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
-  if (!previous_ || !previous_->reference.valid() || previous_->reference == reference) return;
-  previous_->T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
-                                  map.keyframe(previous_->reference).T_world_camera *
-                                  previous_->T_reference_camera;
-  previous_->reference = reference;
+  const auto express = [&](TrackedFrame& frame) {
+    if (!frame.reference.valid() || frame.reference == reference) return;
+    frame.T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
+                               map.keyframe(frame.reference).T_world_camera * frame.T_reference_camera;
+    frame.reference = reference;
+  };
+  if (previous_) express(*previous_);
+  for (TrackedFrame& frame : recent_) express(frame);
+}
+
+/// Keeps the frames of the last fifth of a second, up to a loss or a jump.
+void Tracker::keep_recent(const TrackedFrame& latest) {
+  constexpr int64_t kDuration_ns = kNsPerSecond / 5;
+  if (latest.outcome != TrackingOutcome::kTracked) recent_.clear();
+  recent_.push_back(latest);
+  while (latest.stamp_ns - recent_.front().stamp_ns > kDuration_ns) recent_.pop_front();
 }
 
 /// Stores what the next frame needs. After a loss this is the last frame with a pose.
@@ -403,7 +431,8 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
-  if (!latest.moved.empty()) moved_ns_ = latest.stamp_ns;
+  // Not by keypoints alone, which also seem to move at the edge of a mask.
+  if (latest.evidence.moved_share > 0) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
   keep_since(hypothesis_since_ns_, is_hypothesis(latest), latest.stamp_ns);
   if (latest.is_lost()) {
@@ -413,6 +442,7 @@ void Tracker::remember(const TrackedFrame& latest) {
     lacks_scale_ = latest.is_located() && lacks_scale(latest, lacks_scale_);
     lost_frames_ = 0;
     previous_ = latest;
+    keep_recent(latest);
   }
 }
 

@@ -2,6 +2,7 @@
 // Tracks frames against the previous frame and the map: directly, by patches of landmarks, or by keypoints
 // where that fails, or by place recognition after a loss.
 
+#include <deque>
 #include <functional>
 #include <optional>
 
@@ -45,6 +46,9 @@ class Tracker {
   /// Extracts all keypoints of a frame that was tracked by patches, and matches them with the local map from
   /// its pose. The result is lost if too few match.
   [[nodiscard]] TrackedFrame rematch_keypoints(const TrackedFrame& tracked, const Sensor& sensor) const;
+
+  /// Adds to `moved` of a frame with all of its keypoints where these move: they shall not become landmarks.
+  void find_moving(TrackedFrame& tracked, const Sensor& sensor) const;
 
   /// Makes `latest` the previous frame. If it became a keyframe, the local map is built around that, else
   /// around the keyframe that shares most landmarks with it.
@@ -103,12 +107,14 @@ class Tracker {
   [[nodiscard]] bool follows_weak_pose() const;
   [[nodiscard]] bool follows_previous(const TrackedFrame& tracked) const;
   void remember(const TrackedFrame& latest);
+  void keep_recent(const TrackedFrame& latest);
   void express_previous_in(KeyframeId reference, const Map& map);
 
   TrackerOptions options_;
   FrontEnd front_end_;
   Timings& timings_;
   std::optional<TrackedFrame> previous_;  // the last frame with a pose; none before the first
+  std::deque<TrackedFrame> recent_;       // tracked without interruption until `previous_`, oldest first
   LocalMap local_map_;
   MotionModel motion_;
   int lost_frames_ = 0;              // in a row

@@ -22,11 +22,7 @@ using testing::Not;
 
 class Contradictions : public test::ProgramTest {
  protected:
-  void SetUp() override {
-    const auto simulated =
-        run("simulate room --seed 44 --frames 16 --fps 4 --size 160x120 -q -o '" + at("seq") + "'");
-    ASSERT_EQ(simulated.exit_code, kDone) << simulated.err;
-  }
+  void SetUp() override { test::write_room(at("seq"), "--seed 44 --frames 16 --fps 4"); }
 
   void flip_depth() const {
     for (const auto& entry : std::filesystem::directory_iterator(at("seq/depth"))) {

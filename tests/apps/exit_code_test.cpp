@@ -26,10 +26,7 @@ class ExitCodes : public test::ProgramTest {
  protected:
   /// A sequence of a few small frames.
   [[nodiscard]] std::string sequence(int frames) const {
-    EXPECT_EQ(
-        run("simulate room --frames " + std::to_string(frames) + " --size 160x120 -q -o '" + at("seq") + "'")
-            .exit_code,
-        kDone);
+    test::write_room(at("seq"), "--frames " + std::to_string(frames));
     return at("seq");
   }
 

@@ -49,8 +49,7 @@ class FetchDatasets : public FetchNames {
   void SetUp() override {
     FetchNames::SetUp();
     if (IsSkipped()) return;
-    ASSERT_EQ(run("simulate room --frames 3 --size 640x480 --quiet -o '" + at("room") + "'").exit_code,
-              kDone);
+    test::write_room(at("room"), "--frames 3 --size 640x480");
     color_ = read_table(at("room/rgb.txt"));
     depth_ = read_table(at("room/depth.txt"));
     ASSERT_EQ(color_.size(), kFrames);

@@ -2,7 +2,6 @@
 
 #include <sstream>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -36,9 +35,7 @@ SE3 transform_of(const json& T) {
 class PosesTo : public test::ProgramTest {
  protected:
   [[nodiscard]] std::string sequence(int frames = 12) const {
-    EXPECT_EQ(
-        run(fmt::format("simulate room --frames {} --size 160x120 -q -o '{}'", frames, at("seq"))).exit_code,
-        kDone);
+    test::write_room(at("seq"), "--frames " + std::to_string(frames));
     return "'" + at("seq") + "'";
   }
 };

@@ -14,10 +14,7 @@ using testing::Not;
 
 class ProbeCommand : public test::ProgramTest {
  protected:
-  void SetUp() override {
-    const auto simulated = run("simulate room --frames 6 --size 160x120 -q -o '" + at("seq") + "'");
-    ASSERT_EQ(simulated.exit_code, kDone) << simulated.err;
-  }
+  void SetUp() override { test::write_room(at("seq"), "--frames 6"); }
 
   /// Replaces the camera's depth_scale, 5000.
   void set_depth_scale(const std::string& scale) const {

@@ -2,6 +2,8 @@
 // Runs the program as a black box.
 
 #include <cstdlib>
+#include <filesystem>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -33,6 +35,22 @@ inline ProgramRun run_shell(const TempFolder& folder, const std::string& command
 inline ProgramRun run_program(const TempFolder& folder, const std::string& arguments,
                               const std::string& before = "") {
   return run_shell(folder, before + " '" KINLOOP_PROGRAM "' " + arguments);
+}
+
+/// Writes a simulated room to `folder`, of 160x120 unless `arguments` of `simulate` give a --size. A room is
+/// rendered once for all tests of a process.
+inline void write_room(const std::filesystem::path& folder, const std::string& arguments) {
+  static const TempFolder rendered;
+  static std::map<std::string, std::filesystem::path> rooms;
+  const auto [room, is_new] = rooms.try_emplace(arguments, rendered.path() / std::to_string(rooms.size()));
+  if (is_new) {
+    const std::string size = arguments.find("--size") == std::string::npos ? "--size 160x120 " : "";
+    const auto done =
+        run_program(rendered, "simulate room -q -o '" + room->second.string() + "' " + size + arguments);
+    ASSERT_EQ(done.exit_code, kDone) << done.err;
+  }
+  std::filesystem::create_directories(folder.parent_path());
+  std::filesystem::copy(room->second, folder, std::filesystem::copy_options::recursive);
 }
 
 class ProgramTest : public testing::Test {

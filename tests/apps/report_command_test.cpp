@@ -18,8 +18,7 @@ using testing::Not;
 class ReportCommand : public test::ProgramTest {
  protected:
   void SetUp() override {
-    ASSERT_EQ(run("simulate room --frames 8 --size 160x120 -q -o '" + at("data/walk") + "'").exit_code,
-              kDone);
+    test::write_room(at("data/walk"), "--frames 8");
     ASSERT_EQ(run("run '" + at("data/walk") + "/' -q -o '" + at("out") + "'").exit_code, kDone);
   }
 

@@ -28,9 +28,7 @@ class RunCommand : public test::ProgramTest {
  protected:
   /// A sequence of a few small frames.
   [[nodiscard]] std::string sequence(int frames = 4) const {
-    const std::string many = std::to_string(frames);
-    EXPECT_EQ(run("simulate room --frames " + many + " --size 160x120 -q -o '" + at("seq") + "'").exit_code,
-              kDone);
+    test::write_room(at("seq"), "--frames " + std::to_string(frames));
     return at("seq");
   }
 

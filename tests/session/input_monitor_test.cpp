@@ -85,7 +85,8 @@ std::vector<InputWarning> warnings_with_larger_depth(bool metric_depth, bool tru
   FramesSource source = room();
   std::vector<Frame> frames;
   while (auto frame = source.next()) {
-    frame->depth_m = kFactor * frame->depth_m;
+    const cv::Mat larger = kFactor * frame->depth_m;  // not in place: other tests have the same image
+    frame->depth_m = larger;
     frames.push_back(*std::move(frame));
   }
   RgbdCamera camera = source.camera();

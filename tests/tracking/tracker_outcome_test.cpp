@@ -208,6 +208,7 @@ TEST_F(TrackerOutcome, BehindSomethingThatMovesTheCameraIsHiddenNotElsewhere) {
   build_map();
   TrackedFrame latest = show(pose(1.5));
   latest.moved = cv::Mat::ones(60, 80, CV_8UC1);
+  latest.evidence.moved_share = 1;  // by surfaces
   tracker_.update(latest, built_.map);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kLost);
   id_ += 150;  // more than 5 s later
