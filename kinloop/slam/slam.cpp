@@ -106,7 +106,10 @@ Frame Slam::with_steady_depth(const Frame& frame) {
   const bool had_depth = depth_.factor() > 0;
   depth_.observe(frame, follows ? std::optional(previous->velocity) : std::nullopt);
   // That depth has stopped is seen late: the frames since then have used the depth of the one before.
-  if (had_depth && depth_.factor() == 0) doubt_frames_since(depth_.new_depth_ns() + 1, false);
+  if (had_depth && depth_.factor() == 0) {
+    doubt_frames_since(depth_.new_depth_ns() + 1, false);
+    tracker_.forget_motion();
+  }
   return depth_.factor() == 1 ? frame : front_end_.scale_depth(frame, depth_.factor());
 }
 
