@@ -134,6 +134,7 @@ ExitCode run(const RunArguments& arguments) {
   poses.reset();  // the reader sees the end
   if (shown) shown->viewer.set_stage("final bundle adjustment");
   session.finish(progress);
+  if (plan.memory) plan.memory->remember(plan.camera, session.slam().sensor_estimate());
   if (shown) show_warnings(shown->viewer, session.input());
   if (shown) shown->viewer.finish(session.slam().session_log(), session.slam().map());
   const auto summary = output.write({watch, startup, end == RunEnd::kComplete}, progress);

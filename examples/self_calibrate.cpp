@@ -23,7 +23,7 @@ int main(int argc, char** argv) try {
   const kinloop::RgbdCamera camera = kinloop::calibrated_camera(source.camera(), slam.sensor_estimate());
   std::printf("focal length    %.2f %.2f px, was %.2f %.2f\n", camera.color.fx, camera.color.fy,
               source.camera().color.fx, source.camera().color.fy);
-  std::printf("readout time    %.1f ms\n", 1e3 * camera.rolling_shutter_s);
+  std::printf("readout time    %.1f ms\n", 1e3 * kinloop::nominal_readout_s(camera));
   std::printf("depth delay     %.1f ms\n", 1e3 * camera.depth_delay_s);
   kinloop::write_camera_file("calibrated.yaml", camera);
 } catch (const std::exception& error) {

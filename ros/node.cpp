@@ -2,7 +2,7 @@
 //   ~topics         COLOR,DEPTH[,CAMERA_INFO]; default: those of the first known camera that publishes
 //   ~camera         camera.yaml or a preset; default: camera_info
 //   ~output         folder for trajectory.txt at the end; empty: none
-//   ~world_frame, ~camera_frame   names of the TF frames
+//   ~world_frame, ~odom_frame, ~camera_frame   names of the TF frames; ~odom_frame may be empty
 //   ~keep_all       true: drops no frame, however late, so that the result is reproducible; for bags
 //   ~idle_s         ends after this time without a frame; 0: at Ctrl-C
 //   ~set            options as of `kinloop run --set`, separated by blanks
@@ -54,8 +54,9 @@ void run(const ros::NodeHandle& node) {
   session_options.slam = options;
   session_options.record_images = false;  // the cloud goes out frame by frame
   Session session(source, session_options);
-  NodeOutput output(node, source.camera().color, text_parameter(node, "world_frame", "map"),
-                    text_parameter(node, "camera_frame", "kinloop_camera"));
+  NodeOutput output(node, source.camera().color,
+                    {text_parameter(node, "world_frame", "map"), text_parameter(node, "odom_frame", "odom"),
+                     text_parameter(node, "camera_frame", "kinloop_camera")});
   size_t frames = 0, tracked = 0, doubtful = 0;
   while (const auto frame = session.next()) {
     const TrackedFrame result = session.process(*frame);

@@ -46,6 +46,20 @@ PoseStamped pose_of(int64_t stamp_ns, const SE3& T, const std::string& frame) {
   return pose;
 }
 
+TransformStamped transform_of(const Header& parent, const std::string& child, const SE3& T_parent_child) {
+  TransformStamped transform;
+  transform.header = parent;
+  transform.child_frame_id = child.c_str();
+  transform.transform.translation.x = T_parent_child.translation.x();
+  transform.transform.translation.y = T_parent_child.translation.y();
+  transform.transform.translation.z = T_parent_child.translation.z();
+  transform.transform.rotation.x = T_parent_child.rotation.x();
+  transform.transform.rotation.y = T_parent_child.rotation.y();
+  transform.transform.rotation.z = T_parent_child.rotation.z();
+  transform.transform.rotation.w = T_parent_child.rotation.w();
+  return transform;
+}
+
 /// The same pose with its covariance: of x, y, z and the rotations about the fixed axes, row by row (REP
 /// 103).
 PoseWithCovarianceStamped with_covariance(const PoseStamped& pose, const Matrix6d& in_world_axes) {
@@ -83,9 +97,8 @@ PointCloud2 empty_cloud(const Header& header) {
 
 }  // namespace
 
-NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, std::string world,
-                       std::string camera_frame)
-    : camera_(camera), world_(std::move(world)), camera_frame_(std::move(camera_frame)) {
+NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, TfFrames frames)
+    : camera_(camera), frames_(std::move(frames)) {
   constexpr uint32_t kMaxUnsent = 10;
   tf_ = node.advertise<TFMessage>("/tf", kMaxUnsent);
   doubtful_ = node.advertise<Bool>("doubtful", kMaxUnsent);
@@ -99,31 +112,37 @@ void NodeOutput::publish_pose(const TrackedFrame& result) {
   Bool doubtful;
   doubtful.data = result.doubtful ? 1U : 0U;
   doubtful_.publish(doubtful);
-  const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, world_);
+  const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, frames_.world);
   pose_.publish(pose);
   // A doubtful pose may be wrong by more than its covariance, and filters take zeros for certainty.
   if (const auto covariance = pose_covariance(result); covariance && !result.doubtful) {
     const Matrix6d in_world_axes = covariance_in_world_axes(*covariance, result.T_world_camera);
     pose_with_covariance_.publish(with_covariance(pose, in_world_axes));
   }
-  TransformStamped transform;
-  transform.header = pose.header;
-  transform.child_frame_id = camera_frame_.c_str();
-  transform.transform.translation.x = pose.pose.position.x;
-  transform.transform.translation.y = pose.pose.position.y;
-  transform.transform.translation.z = pose.pose.position.z;
-  transform.transform.rotation = pose.pose.orientation;
+  publish_transforms(result);
+}
+
+void NodeOutput::publish_transforms(const TrackedFrame& result) {
+  const auto& [world, odometry, camera] = frames_;
   TFMessage message;
-  message.transforms.push_back(transform);
+  const auto add = [&](const std::string& parent, const std::string& child, const SE3& T_parent_child) {
+    message.transforms.push_back(transform_of(header_of(result.stamp_ns, parent), child, T_parent_child));
+  };
+  if (odometry.empty()) {
+    add(world, camera, result.T_world_camera);
+  } else {
+    add(world, odometry, result.T_map_odom);
+    add(odometry, camera, result.T_map_odom.inverse() * result.T_world_camera);
+  }
   tf_.publish(message);
 }
 
 void NodeOutput::publish_path(const Trajectory& trajectory) {
   if (trajectory.empty()) return;
   Path path;
-  path.header = header_of(trajectory.back().stamp_ns, world_);
+  path.header = header_of(trajectory.back().stamp_ns, frames_.world);
   for (const auto& pose : trajectory)
-    path.poses.push_back(pose_of(pose.stamp_ns, pose.T_world_camera, world_));
+    path.poses.push_back(pose_of(pose.stamp_ns, pose.T_world_camera, frames_.world));
   path_.publish(path);
 }
 
@@ -132,7 +151,7 @@ void NodeOutput::publish_cloud(const TrackedFrame& result) {
   if (cloud_.getNumSubscribers() == 0) return;
   const Frame& frame = *result.frame;
   const cv::Mat color = frame.color.bgr();
-  PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, world_));
+  PointCloud2 cloud = empty_cloud(header_of(result.stamp_ns, frames_.world));
   for (int y = 0; y < frame.depth_m.rows; y += kStep) {
     for (int x = 0; x < frame.depth_m.cols; x += kStep) {
       const auto depth_m = static_cast<double>(frame.depth_m.at<float>(y, x));

@@ -16,6 +16,7 @@ void FramePipeline::run_ahead() {
     Stopwatch watch;
     while (auto frame = source_.next()) {
       const ElapsedTime decoding = watch.elapsed();
+      if (!frame->time.read_at) frame->time.read_at = std::chrono::steady_clock::now();
       Frame prepared = front_end_.prepare(*std::move(frame));
       prepared.time.decoding = decoding;
       if (features_wanted_) {

@@ -136,9 +136,11 @@ RunPlan plan_run(const RunRequest& request) {
     source = std::move(owner);
   }
   setup.options = options_for(*source, setup.options, request.settings);
-  const RgbdCamera camera = setup.start ? setup.start->adapt(source->camera()) : source->camera();
+  RgbdCamera camera = setup.start ? setup.start->adapt(source->camera()) : source->camera();
+  auto memory = request.remember ? sensor_memory_of(source->info()) : std::nullopt;
+  if (memory) camera = memory->recall(camera);
   Vocabulary vocabulary = open_vocabulary(request.settings.vocabulary, setup.options.slam.features);
-  return {std::move(setup), std::move(source), camera, std::move(vocabulary), paced};
+  return {std::move(setup), std::move(source), camera, std::move(memory), std::move(vocabulary), paced};
 }
 
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {

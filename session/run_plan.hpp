@@ -16,6 +16,7 @@
 #include "session/dense_recorder.hpp"
 #include "session/open_frame_source.hpp"
 #include "session/run_options.hpp"
+#include "session/sensor_memory.hpp"
 
 namespace kinloop {
 
@@ -68,13 +69,16 @@ struct RunRequest {
   int every = 1;               ///< see SourceRequest
   std::filesystem::path mask;  ///< image of the pixels to ignore, see read_mask; empty: none
   double pace_hz = 0;          ///< replays at this rate; 0: as fast as possible
+  bool remember = true;        ///< what runs estimate of a live camera, see SensorMemory
   StopRequest stop = {};       ///< ends a source whose sender or device is silent
   RunSettings settings;
 };
 
 struct RunPlan : RunSetup {
   std::unique_ptr<FrameSource> source;
-  RgbdCamera camera;  ///< that of the source, in the depth unit of the map to continue
+  /// That of the source, with the times that are remembered of it, in the depth unit of the map to continue.
+  RgbdCamera camera;
+  std::optional<SensorMemory> memory;  ///< of the camera of the source, if it is to be used
   Vocabulary vocabulary;
   const PacedSource* paced = nullptr;  ///< part of `source`, if it is paced
 

@@ -117,6 +117,7 @@ SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const Simulati
   validate(options, "sim.");
   const bool own_path = !path.has_value();
   if (own_path) path = sim::handheld_path(seed, options.seconds);
+  if (options.noise.rolling_shutter_s == 0) camera_.rolling_shutter_s = 0;  // as a data sheet says
   truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};
   stamps_ = stamps_to_render(
       options, sim::frame_stamps(*path, own_path && options.fps <= 0 ? kDefaultFps : options.fps), seed);

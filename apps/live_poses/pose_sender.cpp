@@ -21,25 +21,14 @@ Json transform_json(const SE3& T) {
 
 }  // namespace
 
-void OdometryFrame::update(const TrackedFrame& tracked, const Map& map) {
-  if (latest_) T_map_odom_ = world_pose(*latest_, map) * latest_->T_world_camera.inverse() * T_map_odom_;
-  if (!tracked.is_lost()) {
-    latest_.emplace();
-    latest_->reference = tracked.reference;
-    latest_->T_reference_camera = tracked.T_reference_camera;
-  }
-  // Also of a frame without a pose: what has been added must not be added again.
-  if (latest_) latest_->T_world_camera = world_pose(*latest_, map);
-}
-
-std::string pose_line(const TrackedFrame& tracked, const Map& map, const SE3& T_map_odom) {
+std::string pose_line(const TrackedFrame& tracked, const Map& map) {
   Json line = {{"stamp_ns", tracked.stamp_ns},
                {"status", frame_status(tracked)},
                {"component", nullptr},
                {"T_map_camera", nullptr},
                {"sigma_m", nullptr},
                {"covariance", nullptr},
-               {"T_map_odom", transform_json(T_map_odom)}};
+               {"T_map_odom", transform_json(tracked.T_map_odom)}};
   if (!tracked.is_lost()) {
     line["component"] = map.keyframe(tracked.reference).component;
     line["T_map_camera"] = transform_json(tracked.T_world_camera);
@@ -54,9 +43,8 @@ std::string pose_line(const TrackedFrame& tracked, const Map& map, const SE3& T_
 PoseSender::PoseSender(std::string target) : target_(std::move(target)), output_(open_line_output(target_)) {}
 
 void PoseSender::send(const TrackedFrame& tracked, const Map& map) {
-  odometry_.update(tracked, map);
   ++lines_;
-  if (!output_->write(pose_line(tracked, map, odometry_.T_map_odom()))) ++dropped_;
+  if (!output_->write(pose_line(tracked, map))) ++dropped_;
 }
 
 void PoseSender::report() const {

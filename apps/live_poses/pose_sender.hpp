@@ -3,7 +3,6 @@
 // docs/protocol.md describes it.
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "apps/live_poses/line_output.hpp"
@@ -12,23 +11,8 @@
 
 namespace kinloop {
 
-/// Accumulates the corrections of the map, which move the camera in the frame of the map but not in that of
-/// its odometry (REP 105).
-class OdometryFrame {
- public:
-  /// Call for every frame in order, with the map in which it was tracked.
-  void update(const TrackedFrame& tracked, const Map& map);
-
-  /// T_map_odom: T_odom_camera = T_map_odom^-1 * T_world_camera does not jump with corrections.
-  [[nodiscard]] const SE3& T_map_odom() const { return T_map_odom_; }
-
- private:
-  SE3 T_map_odom_;
-  std::optional<TrackedFrame> latest_;  // that has a pose; without matches and images
-};
-
 /// Returns the line of a frame, with its line break.
-std::string pose_line(const TrackedFrame& tracked, const Map& map, const SE3& T_map_odom);
+std::string pose_line(const TrackedFrame& tracked, const Map& map);
 
 class PoseSender {
  public:
@@ -43,7 +27,6 @@ class PoseSender {
  private:
   std::string target_;
   std::unique_ptr<LineOutput> output_;
-  OdometryFrame odometry_;
   size_t lines_ = 0, dropped_ = 0;
 };
 

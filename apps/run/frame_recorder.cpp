@@ -1,6 +1,7 @@
 #include "apps/run/frame_recorder.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include "kinloop/map/frame_log.hpp"
 
@@ -13,6 +14,11 @@ const char* frame_status(const TrackedFrame& tracked) {
 }
 
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  if (const auto read_at = tracked.frame->time.read_at)
+    latencies_ms_.push_back(Milliseconds(std::chrono::steady_clock::now() - *read_at).count());
+  ages_ms_.push_back(Milliseconds(std::chrono::system_clock::now().time_since_epoch()).count() -
+                     1e-6 * static_cast<double>(tracked.stamp_ns));
   const size_t frame = feature_counts_.size();
   feature_counts_.push_back(static_cast<int>(tracked.features().size()));
   if (tracked.is_lost() || tracked.doubtful) return;

@@ -25,6 +25,14 @@ class FrameRecorder : public Listener {
   /// Returns the rows, with the time of each frame. `log` has the same frames.
   [[nodiscard]] FrameTable table(std::span<const TrackedFrame> log, const Timings& times) const;
 
+  /// Returns the time from when the images of a frame were there to its pose, ms, for each frame of which it
+  /// is known.
+  [[nodiscard]] const std::vector<double>& latencies_ms() const { return latencies_ms_; }
+
+  /// Returns the time from the stamp of each image to its pose, ms, by the time of day; meaningless for
+  /// recordings.
+  [[nodiscard]] const std::vector<double>& ages_ms() const { return ages_ms_; }
+
   /// Returns the poses that tracking gave, each in the map as it was then, with their covariances. Frames
   /// that were lost or doubtful are left out, and those that were in other components than the main one then,
   /// whose world frames are their own. `log` has the same frames.
@@ -41,6 +49,7 @@ class FrameRecorder : public Listener {
   };
 
   std::vector<int> feature_counts_;  // the log drops the features
+  std::vector<double> latencies_ms_, ages_ms_;
   std::vector<LivePose> live_poses_;
   std::vector<uint32_t> component_of_;  // by keyframe
 };

@@ -94,6 +94,10 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                   "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
                   "and background results are applied when ready (executor.mode=live)")
       ->check(number(0.1, 1000));
+  command.add_flag(
+      "--no-remember", [&arguments](int64_t) { arguments.request.remember = false; },
+      "do not use or update what earlier runs estimated of a live camera: its readout time and depth\n"
+      "delay, kept for each serial number in ~/.local/share/kinloop/sensors");
   command.add_flag("--keep-doubtful", arguments.keep_doubtful,
                    "also write the poses of doubtful frames to trajectory.txt, and evaluate them");
   command.add_option("--poses-to", arguments.poses_to,

@@ -87,6 +87,8 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (map_) warn_of_unlikely_up(map_->up);
   outcome_.warnings = session_.input().warnings();
   outcome_.live_poses = frames_.live_poses(session_.slam().session_log(), session_.slam().map());
+  outcome_.latencies_ms = frames_.latencies_ms();
+  outcome_.ages_ms = frames_.ages_ms();
   outcome_.evaluation = evaluate(trajectory(), plan_.source->info().ground_truth);
   outcome_.wall_s = ending.since_start.wall_s();
   outcome_.interrupted = !ending.complete;

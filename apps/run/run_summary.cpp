@@ -112,6 +112,12 @@ json consistency_json(const std::vector<PoseWithCovariance>& poses, const Trajec
           {"expected", 3}};
 }
 
+json latency_json(const std::vector<double>& times_ms) {
+  return {{"median", quantile(times_ms, 0.5)},
+          {"p99", quantile(times_ms, 0.99)},
+          {"longest", quantile(times_ms, 1.0)}};
+}
+
 json skipped_json(const FrameSource& source) {
   json skipped = json::array();
   for (const auto& [name, reason] : source.skipped()) skipped.push_back({{"name", name}, {"reason", reason}});
@@ -191,6 +197,12 @@ json run_summary(const RunOutcome& o) {
   summary["threads"] = o.plan.threads;
   summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
                          {"p95", quantile(o.slam.timings().frame_ms, 0.95)}};
+  if (!o.latencies_ms.empty()) summary["latency_ms"] = latency_json(o.latencies_ms);
+  // Some cameras stamp images by another clock than the time of day.
+  constexpr double kMaxAge_ms = 60e3;
+  const auto [least, most] = std::minmax_element(o.ages_ms.begin(), o.ages_ms.end());
+  if (source.info().live && !o.ages_ms.empty() && *least > 0 && *most < kMaxAge_ms)
+    summary["latency_from_stamp_ms"] = latency_json(o.ages_ms);
   summary["peak_memory_mib"] = peak_memory_mib();
   if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.plan.options.dense.voxel_m}};
   const auto poses = poses_with_covariance(o.slam, component);

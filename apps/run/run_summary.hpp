@@ -24,6 +24,8 @@ struct RunOutcome {
   std::optional<Evaluation> evaluation = {};        ///< if there is ground truth
   std::vector<PoseWithCovariance> live_poses = {};  ///< as tracking gave them
   std::optional<size_t> map_points = {};            ///< of the cloud, if one was fused
+  std::vector<double> latencies_ms = {};            ///< from images to poses
+  std::vector<double> ages_ms = {};                 ///< from stamps to poses, of a live camera
   double wall_s = 0;
   bool interrupted = false;  ///< or ended by a failing source
 };

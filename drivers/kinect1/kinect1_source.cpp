@@ -4,6 +4,7 @@
 
 #ifdef KINLOOP_WITH_FREENECT
 
+#include <string>
 #include <thread>
 
 #include <libfreenect.h>
@@ -31,6 +32,15 @@ RgbdCamera typical_camera() {
   return camera;
 }
 
+/// Returns the serial number of the camera that libfreenect opens as the first; empty if it has none.
+std::string serial_of_first(freenect_context* context) {
+  freenect_device_attributes* devices = nullptr;
+  if (freenect_list_device_attributes(context, &devices) < 1) return {};
+  const std::string serial = devices->camera_serial != nullptr ? devices->camera_serial : "";
+  freenect_free_device_attributes(devices);
+  return serial;
+}
+
 /// libfreenect's context and device, closed in the right order.
 class Device {
  public:
@@ -54,6 +64,8 @@ class Device {
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
+  [[nodiscard]] const std::string& serial() const { return serial_; }
+
  private:
   void open() {
     if (freenect_num_devices(context_) < 1) {
@@ -66,6 +78,7 @@ class Device {
           "kinect1: the camera cannot be opened; another program or the kernel's gspca_kinect may be "
           "using it");
     }
+    serial_ = serial_of_first(context_);
     freenect_set_user(device_, this);
     freenect_set_video_callback(device_, [](freenect_device* device, void* data, uint32_t ticks) {
       static_cast<Device*>(freenect_get_user(device))->on_color(data, ticks);
@@ -115,6 +128,7 @@ class Device {
   LiveFrameBuffer& frames_;
   freenect_context* context_ = nullptr;
   freenect_device* device_ = nullptr;
+  std::string serial_;
   DeviceClock clock_{kNsPerTick};
   std::jthread thread_;
 };
@@ -128,7 +142,8 @@ bool kinect1_available() {
 std::unique_ptr<FrameSource> open_kinect1(const KinectOptions& options,
                                           const std::optional<RgbdCamera>& calibration) {
   const auto open = [](LiveFrameBuffer& frames) {
-    return LiveDevice{typical_camera(), std::make_shared<Device>(frames)};
+    const auto device = std::make_shared<Device>(frames);
+    return LiveDevice{typical_camera(), device, device->serial()};
   };
   auto source = open_live({"kinect1", open, options.reconnect_s, options.stop}, calibration);
   if (!calibration)

@@ -57,6 +57,7 @@ Kinect2Source::Kinect2Source(std::function<Kinect2Handle()> open, const KinectOp
       handle_(open_()) {
   info_.name = "kinect2";
   info_.live = true;
+  info_.serial = handle_.device->getSerialNumber();
   RgbdCamera rig = calibration ? *calibration
                                : factory_camera(handle_.device->getColorCameraParams(),
                                                 handle_.device->getIrCameraParams());

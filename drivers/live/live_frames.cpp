@@ -52,6 +52,7 @@ int64_t LiveFrameBuffer::shifted(int64_t stamp_ns) const {
 
 void LiveFrameBuffer::collect_ready() {
   while (auto frame = pairer_.next()) {
+    frame->time.read_at = std::chrono::steady_clock::now();
     ready_.push_back(std::move(*frame));
     if (ready_.size() <= capacity_) continue;
     ready_.pop_front();

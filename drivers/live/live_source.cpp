@@ -37,7 +37,7 @@ class LiveSource : public FrameSource {
  public:
   LiveSource(const LiveCamera& live, const std::optional<RgbdCamera>& calibration)
       : live_(live), device_(live.open(frames_)) {
-    info_.name = live.name, info_.live = true;
+    info_.name = live.name, info_.live = true, info_.serial = device_.serial;
     camera_ = calibration ? checked(live.name, *calibration, device_.camera) : device_.camera;
     prepare_depth_.emplace(camera_);
   }

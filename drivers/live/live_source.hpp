@@ -17,6 +17,7 @@ struct LiveDevice {
   RgbdCamera camera;  ///< as far as the device knows it; with a depth camera of its own if depth is
                       ///< not registered
   std::shared_ptr<void> streams;  ///< fill the buffer of frames until they are destroyed
+  std::string serial = {};        ///< number; empty if unknown
 };
 
 /// How to open a device. `open` starts the streams; it throws InputError if there is no device.

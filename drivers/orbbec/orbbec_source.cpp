@@ -120,6 +120,8 @@ class OrbbecDevice {
     return camera;
   }
 
+  [[nodiscard]] std::string serial() const { return device_->getDeviceInfo()->getSerialNumber(); }
+
   /// Passes the images on, in threads of the library.
   void start(LiveFrameBuffer& to) {
     const auto config = std::make_shared<ob::Config>();
@@ -173,7 +175,7 @@ std::unique_ptr<FrameSource> open_orbbec(const KinectOptions& options,
       ob::Context::setLoggerSeverity(OB_LOG_SEVERITY_OFF);
       const auto device = std::make_shared<OrbbecDevice>(serial, widths);
       device->start(to);
-      return LiveDevice{device->camera(), device};
+      return LiveDevice{device->camera(), device, device->serial()};
     } catch (const ob::Error& error) {
       throw InputError(fmt::format("orbbec: {}; unplug the camera and plug it in again", error.what()));
     }

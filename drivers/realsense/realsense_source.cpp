@@ -68,6 +68,11 @@ DepthSensorModel realsense_model(const std::string& name) {
                                               : DepthSensorModel::kRealsenseL515;
 }
 
+/// The colour camera of a D455 or D457 has a global shutter (data sheet), those of the others roll.
+bool has_global_shutter(const std::string& name) {
+  return name.find("D455") != std::string::npos || name.find("D457") != std::string::npos;
+}
+
 /// An open device and its two streams, which may be of one sensor.
 class RealsenseDevice {
  public:
@@ -98,8 +103,15 @@ class RealsenseDevice {
     camera.T_color_depth = {Eigen::Quaterniond(R).normalized(),
                             Eigen::Map<const Eigen::Vector3f>(pose.translation).cast<double>()};
     camera.fps = color_.profile.fps();
-    camera.sensor.set_by_source(realsense_model(device_.get_info(RS2_CAMERA_INFO_NAME)));
+    const std::string name = device_.get_info(RS2_CAMERA_INFO_NAME);
+    camera.sensor.set_by_source(realsense_model(name));
+    if (has_global_shutter(name)) camera.rolling_shutter_s = 0;
     return camera;
+  }
+
+  [[nodiscard]] std::string serial() const {
+    return device_.supports(RS2_CAMERA_INFO_SERIAL_NUMBER) ? device_.get_info(RS2_CAMERA_INFO_SERIAL_NUMBER)
+                                                           : "";
   }
 
   /// Passes the images on, in threads of the library.
@@ -145,7 +157,7 @@ LiveDevice open_device(const std::function<rs2::device()>& find, const StreamWid
   try {
     const auto device = std::make_shared<RealsenseDevice>(find(), widths);
     device->start(frames);
-    return {device->camera(), device};
+    return {device->camera(), device, device->serial()};
   } catch (const rs2::error& error) {
     throw InputError(fmt::format("realsense: {}; unplug the camera and plug it in again", error.what()));
   }

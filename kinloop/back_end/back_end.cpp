@@ -4,7 +4,7 @@
 
 namespace kinloop {
 
-BackEnd::BackEnd(Map& map, const Sensor& nominal, const BackEndOptions& options)
+BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options)
     : map_(map),
       verification_{LoopVerificationJob(options)},
       correction_{LoopCorrectionJob(options)},

@@ -36,7 +36,7 @@ class BackEnd {
  public:
   /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.
   /// `nominal` is the sensor of camera.yaml.
-  BackEnd(Map& map, const Sensor& nominal, const BackEndOptions& options);
+  BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options);
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 

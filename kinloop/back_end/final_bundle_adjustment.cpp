@@ -22,9 +22,7 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Sen
   constexpr int kPassesWithoutSensor = 2;  // before and after completing tracks
   const int passes = calibration.enabled ? calibration.passes : kPassesWithoutSensor;
   BundleOptions bundle = options.global_ba;
-  Sensor nominal = initial_estimate.sensor;
-  nominal.corrections = initial_estimate.nominal;
-  SensorPrior prior = sensor_prior(nominal, calibration);
+  SensorPrior prior = sensor_prior(initial_estimate, calibration);
   for (int pass = 1; pass <= passes; ++pass) {
     bundle.pose_covariances = pass == passes;
     auto problem = make_self_calibration_problem(map, result.sensor.sensor, keyframe_velocities(log, map));
@@ -46,7 +44,7 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Sen
                         last ? FrameSelection::kAll : FrameSelection::kNearKeyframes, bundle.threads);
     if (last) break;
     if (pass == 1 && options.mapping.complete_tracks) {
-      complete_tracks(map, nominal.camera, options.local_map, options.mapping);
+      complete_tracks(map, initial_estimate.sensor.camera, options.local_map, options.mapping);
     }
   }
   return result;

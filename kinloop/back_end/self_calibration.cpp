@@ -18,29 +18,41 @@ SensorEstimate estimate_of(const BundleProblem& problem, const BundleSolution& s
   return estimate;
 }
 
-}  // namespace
-
-SensorPrior time_prior(const Sensor& nominal, const SelfCalibrationOptions& options) {
+SensorPrior wide_time_prior(const SensorEstimate& nominal, const SelfCalibrationOptions& options) {
   SensorPrior prior;
-  prior.mean = nominal.corrections;
+  prior.mean = nominal.nominal;
   prior.max_sigma_ratio = options.max_sigma_ratio;
   prior.min_sigmas = options.min_sigmas;
+  for (int k = 0; k < kSensorParameterCount; ++k)
+    prior.typical.at(static_cast<size_t>(k)) = nominal.typical_sigma(k) > 0;
   if (options.enabled)
     prior.sigma(kRollingShutter) = prior.sigma(kDepthShutter) = prior.sigma(kDepthDelay) =
         options.time_sigma_s;
   return prior;
 }
 
-SensorPrior sensor_prior(const Sensor& nominal, const SelfCalibrationOptions& options) {
-  SensorPrior prior = time_prior(nominal, options);
+}  // namespace
+
+SensorPrior sensor_prior(const SensorEstimate& nominal, const SelfCalibrationOptions& options) {
+  SensorPrior prior = wide_time_prior(nominal, options);
   if (!options.enabled) return prior;
+  const PinholeCamera& camera = nominal.sensor.camera;
   SensorVector& sigma = prior.sigma;
-  sigma(kFocalX) = options.focal_sigma * nominal.camera.fx;
-  sigma(kFocalY) = options.focal_sigma * nominal.camera.fy;
+  sigma(kFocalX) = options.focal_sigma * camera.fx;
+  sigma(kFocalY) = options.focal_sigma * camera.fy;
   sigma(kCenterX) = sigma(kCenterY) = options.center_sigma_px;
   sigma(kRadial1) = sigma(kRadial2) = options.radial_sigma;
   for (int k = kInverseDepthBias; k <= kInverseDepthBiasYY; ++k)
     sigma(k) = options.inverse_depth_bias_sigma_per_m;
+  return prior;
+}
+
+SensorPrior time_prior(const SensorEstimate& nominal, const SelfCalibrationOptions& options) {
+  SensorPrior prior = wide_time_prior(nominal, options);
+  for (const int k : prior.free_parameters()) {
+    if (prior.typical.at(static_cast<size_t>(k)))
+      prior.sigma(k) = std::min(prior.sigma(k), nominal.typical_sigma(k));
+  }
   return prior;
 }
 

@@ -52,12 +52,13 @@ struct SelfCalibrationOptions {
   }
 };
 
-/// Returns the prior of each correction around that of camera.yaml (`nominal`). The depth scale is fixed,
-/// because it is the scale of the world and not observable.
-SensorPrior sensor_prior(const Sensor& nominal, const SelfCalibrationOptions& options);
+/// Returns the prior of each correction around its nominal value. The depth scale is fixed, because it is the
+/// scale of the world and not observable.
+SensorPrior sensor_prior(const SensorEstimate& nominal, const SelfCalibrationOptions& options);
 
-/// Returns the prior with only the readout times and depth delay free.
-SensorPrior time_prior(const Sensor& nominal, const SelfCalibrationOptions& options);
+/// Returns the prior with only the readout times and depth delay free. During the run, when few keyframes are
+/// known, a readout that is typical of the sensor is left only within its spread.
+SensorPrior time_prior(const SensorEstimate& nominal, const SelfCalibrationOptions& options);
 
 /// Returns the problem of the whole map with raw measurements, for keyframes that move with `velocities`. The
 /// corrections start at those of `sensor`; their prior must be filled in.

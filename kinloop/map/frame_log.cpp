@@ -63,6 +63,10 @@ FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSe
     std::optional<TrackedFrame> found = find(*entry.frame);
     if (!found) return;
     found->frame = entry.frame;
+    found->evidence.fixed_share = entry.evidence.fixed_share;
+    found->evidence.depth_factor = entry.evidence.depth_factor;
+    // Colour alone supports it, as in the frames around, and no later frame confirms it.
+    if (entry.evidence.depth_factor == 0) found->doubtful = true;
     entry = log_entry(std::move(*found), image_height_px);
   };
   const auto search_near = [&](size_t i, size_t neighbor) {

@@ -30,7 +30,7 @@ struct FrameSearch {
 
 /// Returns the log after another search for lost frames: the final map covers more than the map at their
 /// time. Those not found anywhere are searched near the next frame, from the last frame to the first, then
-/// near the previous one.
+/// near the previous one. Poses of frames without depth are doubtful.
 FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search);
 
 /// Returns the log after components were parted, given T_world_camera of all keyframes before: a frame whose

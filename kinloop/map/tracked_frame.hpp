@@ -73,6 +73,9 @@ struct TrackedFrame {
   KeyframeId reference;    ///< the keyframe that the pose is relative to and moves with
   SE3 T_reference_camera;  ///< undefined if lost
   SE3 T_world_camera;      ///< at the time of tracking, before later corrections; not in map files
+  /// Where the frame of the odometry is in the map: T_map_odom^-1 * T_world_camera does not jump when the map
+  /// is corrected or a place recognized, see OdometryFrame. Not in map files.
+  SE3 T_map_odom;
   /// Of x = (translation [m]; rotation [rad]), where the true pose is T_reference_camera * exp(x), given the
   /// landmarks. Zero if unknown.
   Matrix6d covariance = Matrix6d::Zero();

@@ -1,6 +1,7 @@
 #pragma once
 // A frame of an RGB-D camera: what was measured, and what is computed from it alone.
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -24,6 +25,8 @@ struct PreparationTime {
   ElapsedTime decoding;    ///< in the source
   ElapsedTime preparing;   ///< grey image and octaves
   ElapsedTime extracting;  ///< keypoints, if they were extracted ahead
+  /// When the images were there: arrived from a camera, or decoded.
+  std::optional<std::chrono::steady_clock::time_point> read_at;
 };
 
 /// A frame. The source fills in the measured part; the front end adds the rest, possibly ahead of tracking on

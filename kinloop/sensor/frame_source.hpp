@@ -56,6 +56,7 @@ struct SourceInfo {
   std::string name;             ///< as given by the user
   size_t frames = 0;            ///< number of frames that `next` will return or skip
   std::string description;      ///< what a recording was recognised as; may be empty
+  std::string serial = {};      ///< number of a live camera; empty if unknown
   bool live = false;            ///< frames arrive in real time and are lost if not taken
   Trajectory ground_truth;      ///< empty if there is none
   bool truth_in_metres = true;  ///< false: in an arbitrary unit, as COLMAP has

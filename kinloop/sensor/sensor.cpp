@@ -9,9 +9,9 @@ namespace kinloop {
 
 Sensor make_sensor(const RgbdCamera& camera, const NoiseOptions& noise) {
   Sensor sensor{camera.color, make_noise_model(noise, camera.sensor.noise)};
-  sensor.corrections(kRollingShutter) = camera.rolling_shutter_s;
-  if (camera.sensor.kind == DepthSensorKind::kStructuredLight)
-    sensor.corrections(kDepthShutter) = camera.rolling_shutter_s;
+  const double readout_s = nominal_readout_s(camera);
+  sensor.corrections(kRollingShutter) = readout_s;
+  if (camera.sensor.kind == DepthSensorKind::kStructuredLight) sensor.corrections(kDepthShutter) = readout_s;
   sensor.corrections(kDepthDelay) = camera.depth_delay_s;
   return sensor;
 }

@@ -12,10 +12,16 @@ struct SensorEstimate {
   /// Standard deviation of each correction; for fixed parameters the value it would have had.
   SensorVector sigma = SensorVector::Zero();
   SensorFlags used{};  ///< which parameters the data constrained
+  /// Standard deviation of the nominal corrections that are typical of the kind of sensor; 0 for those that
+  /// are calibrated or not known at all.
+  SensorVector typical_sigma = SensorVector::Zero();
 };
 
 /// Returns the estimate before anything was estimated.
 SensorEstimate nominal_estimate(const Sensor& sensor);
+
+/// The same of the sensor of camera.yaml, see make_sensor.
+SensorEstimate nominal_estimate(const RgbdCamera& camera, const NoiseOptions& noise = {});
 
 /// Returns `estimate`, with the parameters that were fixed this time taken from `before`.
 SensorEstimate with_fixed_from(SensorEstimate estimate, const SensorEstimate& before);

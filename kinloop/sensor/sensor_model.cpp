@@ -19,7 +19,8 @@ bool SensorPrior::selects_parameters() const {
 
 bool SensorPrior::accepts(int parameter, double estimated, double posterior_sigma) const {
   return posterior_sigma <= max_sigma_ratio * sigma(parameter) &&
-         std::abs(estimated - mean(parameter)) >= min_sigmas * posterior_sigma;
+         (typical.at(static_cast<size_t>(parameter)) ||
+          std::abs(estimated - mean(parameter)) >= min_sigmas * posterior_sigma);
 }
 
 std::vector<int> SensorPrior::free_parameters() const {

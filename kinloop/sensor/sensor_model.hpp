@@ -52,6 +52,8 @@ struct SensorPrior {
   // do not change it. The defaults accept every parameter.
   double max_sigma_ratio = kUnknown;  ///< maximum posterior sigma of an accepted parameter / prior sigma
   double min_sigmas = 0;              ///< minimum distance from the prior mean, in posterior sigmas
+  /// Parameters whose mean is that of a kind of sensor, not a calibration: min_sigmas does not protect it.
+  SensorFlags typical{};
 
   /// Returns whether some free parameter may be held after the first round.
   [[nodiscard]] bool selects_parameters() const;

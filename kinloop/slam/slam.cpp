@@ -52,7 +52,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary vocabulary)
     : camera_(camera),
       options_(validated(options)),
-      sensor_estimate_(nominal_estimate(make_sensor(camera, options.noise))),
+      sensor_estimate_(nominal_estimate(camera, options.noise)),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
       front_end_(sensor(), options_.features),
       tracker_(sensor(), tracker_options(options_), timings_),
@@ -60,7 +60,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       relocalizer_([this](const Frame& frame) { return places_.relocalize(frame, map_); }),
       mapper_(mapper_options(options_)),
       places_(sensor(), place_options(options_), std::move(vocabulary)),
-      back_end_(map_, sensor(), back_end_options(options_)),
+      back_end_(map_, sensor_estimate_, back_end_options(options_)),
       online_covariance_(depth_scale_sigma(camera.sensor.kind)) {}
 
 TrackedFrame Slam::process(const Frame& frame) {
@@ -82,6 +82,8 @@ TrackedFrame Slam::process(const Frame& frame) {
     insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
+  odometry_.update(tracked, map_);
+  tracked.T_map_odom = odometry_.T_map_odom();
   tracked.world_covariance = online_covariance_.add(tracked);
   if (tracked.is_repeat() && tracked.doubtful) doubt_repeats();
   add_to_log(tracked);
@@ -104,7 +106,10 @@ Frame Slam::with_steady_depth(const Frame& frame) {
   const bool had_depth = depth_.factor() > 0;
   depth_.observe(frame, follows ? std::optional(previous->velocity) : std::nullopt);
   // That depth has stopped is seen late: the frames since then have used the depth of the one before.
-  if (had_depth && depth_.factor() == 0) doubt_frames_since(depth_.new_depth_ns() + 1, false);
+  if (had_depth && depth_.factor() == 0) {
+    doubt_frames_since(depth_.new_depth_ns() + 1, false);
+    tracker_.forget_motion();
+  }
   return depth_.factor() == 1 ? frame : front_end_.scale_depth(frame, depth_.factor());
 }
 

@@ -18,6 +18,7 @@
 #include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/keyframe_memory.hpp"
+#include "kinloop/map/odometry_frame.hpp"
 #include "kinloop/map/online_covariance.hpp"
 #include "kinloop/map/saved_map.hpp"
 #include "kinloop/mapping/mapper.hpp"
@@ -158,6 +159,7 @@ class Slam {
   FrameLog log_;
   LogLimiter log_limiter_;
   EarlierSessions earlier_;
+  OdometryFrame odometry_;
   OnlineCovariance online_covariance_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;

@@ -17,6 +17,22 @@ constexpr double kSmoothing = 0.9;  // weight of the previous acceleration noise
 constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of unknown motion
 constexpr double kDefaultTurnRate_rad_s = 1.0;
 
+/// Returns `value`, no farther than `max_change` from `before`.
+Eigen::Vector3d limited(const Eigen::Vector3d& value, const Eigen::Vector3d& before, double max_change) {
+  const Eigen::Vector3d change = value - before;
+  return change.norm() > max_change ? before + max_change * change.normalized() : value;
+}
+
+/// Returns the velocity after `before`, no farther from it than a hand accelerates a camera in `duration_s`.
+Velocity limited(const Velocity& velocity, const Velocity& before, double duration_s) {
+  constexpr double kTolerance_m = 0.02, kMaxAcceleration_m_s2 = 10;
+  constexpr double kTolerance_rad = 0.02, kMaxAcceleration_rad_s2 = 30;
+  return {limited(velocity.linear_m_s, before.linear_m_s,
+                  kTolerance_m / duration_s + kMaxAcceleration_m_s2 * duration_s),
+          limited(velocity.angular_rad_s, before.angular_rad_s,
+                  kTolerance_rad / duration_s + kMaxAcceleration_rad_s2 * duration_s)};
+}
+
 }  // namespace
 
 bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s) {
@@ -27,8 +43,11 @@ bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s) {
 
 Velocity MotionModel::velocity_of(const SE3& T_previous_current, int64_t duration_ns) const {
   if (duration_ns < kMinVelocityInterval_ns) return velocity();
-  Velocity measured = velocity_of_twist(T_previous_current.log(), to_seconds(duration_ns));
-  if (!velocity_ || duration_ns >= kVelocityBaseline_ns) return measured;
+  const double duration_s = to_seconds(duration_ns);
+  Velocity measured = velocity_of_twist(T_previous_current.log(), duration_s);
+  if (!velocity_) return measured;
+  measured = limited(measured, *velocity_, duration_s);
+  if (duration_ns >= kVelocityBaseline_ns) return measured;
   const double share = static_cast<double>(duration_ns) / static_cast<double>(kVelocityBaseline_ns);
   return Velocity::from_vector(share * measured.vector() + (1 - share) * velocity_->vector());
 }

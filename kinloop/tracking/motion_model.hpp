@@ -24,7 +24,9 @@ bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s);
 class MotionModel {
  public:
   /// Returns the velocity of a motion between two consecutive frames; the present one if they are too close
-  /// in time.
+  /// in time. Where it differs from the present one by more than a hand accelerates a camera, one of the two
+  /// poses is wrong, and compensation by that velocity would make the next one wrong as well: it is changed
+  /// only as far as a hand could.
   [[nodiscard]] Velocity velocity_of(const SE3& T_previous_current, int64_t duration_ns) const;
 
   /// Updates the model with the velocity of a frame, `duration_ns` after the previous one.

@@ -266,6 +266,8 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   rematched.velocity = tracked.velocity;
   rematched.evidence.surfaces = tracked.evidence.surfaces;
   rematched.evidence.moved_share = tracked.evidence.moved_share;
+  rematched.evidence.fixed_share = tracked.evidence.fixed_share;
+  rematched.evidence.depth_factor = tracked.evidence.depth_factor;
   rematched.moved = tracked.moved;
   rematched.doubtful = tracked.doubtful;
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
@@ -340,9 +342,10 @@ bool Tracker::follows_weak_pose() const {
 /// Whether the motion from the previous frame is known.
 bool Tracker::follows_previous(const TrackedFrame& tracked) const {
   return tracked.outcome == TrackingOutcome::kTracked && previous_ && lost_frames_ == 0 &&
-         !follows_weak_pose();
+         !previous_was_wrong_ && !follows_weak_pose();
 }
 
+/// Returns the velocity since the previous frame; zero if it is unknown.
 Velocity Tracker::velocity_of(const TrackedFrame& tracked) const {
   if (!follows_previous(tracked)) return {};
   return motion_.velocity_of(previous_->T_reference_camera.inverse() * tracked.T_reference_camera,
@@ -393,6 +396,11 @@ void Tracker::set_first_velocity(const Velocity& velocity, int64_t interval_ns, 
   update(map, previous_->keyframe);
 }
 
+void Tracker::forget_motion() {
+  motion_.reset();
+  previous_was_wrong_ = true;
+}
+
 void Tracker::reset() {
   previous_.reset();
   recent_.clear();
@@ -401,7 +409,7 @@ void Tracker::reset() {
   lost_frames_ = 0;
   hypothesis_since_ns_.reset();
   doubtful_since_ns_.reset();
-  lacks_scale_ = false;
+  previous_was_wrong_ = lacks_scale_ = false;
   moved_ns_.reset();
 }
 
@@ -431,6 +439,7 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
+  previous_was_wrong_ = false;
   // Not by keypoints alone, which also seem to move at the edge of a mask.
   if (latest.evidence.moved_share > 0) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere

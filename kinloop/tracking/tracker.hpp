@@ -54,6 +54,10 @@ class Tracker {
   /// around the keyframe that shares most landmarks with it.
   void update(const TrackedFrame& latest, const Map& map);
 
+  /// Says that the motion up to the previous frame was wrong: its depth was an old one. The velocity is
+  /// unknown until the frame after the next.
+  void forget_motion();
+
   /// Tells the velocity of the previous frame, which has started a map, once it is known; `map` is
   /// compensated for it.
   void set_first_velocity(const Velocity& velocity, int64_t interval_ns, const Map& map);
@@ -123,6 +127,7 @@ class Tracker {
   /// Since when the camera is thought to be where it was relocalized, on weak evidence.
   std::optional<int64_t> hypothesis_since_ns_;
   std::optional<int64_t> doubtful_since_ns_;  // are the poses, but for lost frames
+  bool previous_was_wrong_ = false;           // see `forget_motion`
   bool lacks_scale_ = false;                  // the previous pose, see `lacks_scale`
 };
 

@@ -71,8 +71,10 @@ void add_properties(CameraClass& camera) {
       .def_readonly("depth_scale", &RgbdCamera::depth_scale, "Units of a uint16 depth image per metre.")
       .def_readonly("depth_shift_m", &RgbdCamera::depth_shift_m, "Added to every measured depth, metres.")
       .def_readonly("fps", &RgbdCamera::fps, "Frames per second.")
-      .def_readonly("rolling_shutter_s", &RgbdCamera::rolling_shutter_s,
-                    "Readout time from the first colour row to the last, seconds.")
+      .def_readonly(
+          "rolling_shutter_s", &RgbdCamera::rolling_shutter_s,
+          "Readout time from the first colour row to the last, seconds; None if unknown: that typical of the "
+          "sensor is used.")
       .def_readonly("depth_offset_s", &RgbdCamera::depth_delay_s,
                     "Time of the depth measurement minus its stamp, seconds.");
 }

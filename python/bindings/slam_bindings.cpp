@@ -105,6 +105,16 @@ bool is_doubtful(const Slam& slam) {
   return last != nullptr && last->doubtful;
 }
 
+py::object last_T_map_odom(Run& run) {
+  const SE3 T = without_gil([&] {
+    return run.with_slam([](const Slam& slam) {
+      const auto log = slam.session_log();
+      return log.empty() ? SE3{} : log.back().T_map_odom;
+    });
+  });
+  return py::cast(T.matrix());
+}
+
 double last_sigma_m(const Slam& slam) {
   const TrackedFrame* last = last_located(slam);
   return last == nullptr ? 0 : position_sigma_m(last->world_covariance);
@@ -176,6 +186,11 @@ Returns a Result.)")
           "covariance", reading(&last_covariance),
           "The covariance of the last pose relative to the first keyframe, float64 (6, 6): of "
           "translation (m) and rotation (rad) in camera axes; zero if unknown.")
+      .def_property_readonly(
+          "T_map_odom", &last_T_map_odom,
+          "Where the frame of the odometry is in the map as of the last frame, float64 (4, 4), metres: "
+          "inv(T_map_odom) @ T_world_camera does not jump when the map is corrected or a place recognized "
+          "(REP 105).")
       .def_property_readonly("keyframes",
                              reading([](const Slam& slam) { return slam.map().keyframes().size(); }),
                              "Number of keyframes.")

@@ -89,7 +89,7 @@ class BackEndTest : public testing::Test {
   FrameLog log_;
   Sensor sensor_{world_.camera};
   FrameId now_{0};
-  BackEnd back_end_{built_.map, sensor_, ring_options()};
+  BackEnd back_end_{built_.map, nominal_estimate(sensor_), ring_options()};
 };
 
 TEST_F(BackEndTest, NoJobIsDueInitially) {
@@ -177,7 +177,7 @@ TEST_F(BackEndTest, SelfCalibrationWaitsForCorrections) {
 TEST_F(BackEndTest, JobsThatMoveTheWholeMapWaitForEachOther) {
   BackEndOptions options = ring_options();
   options.executor.mode = ExecutorMode::kLagged;
-  BackEnd back_end(map(), sensor_, options);
+  BackEnd back_end(map(), nominal_estimate(sensor_), options);
   back_end.add(revisit());
   std::vector<std::string> done;
   for (uint32_t now = 0; now < 80; ++now) {

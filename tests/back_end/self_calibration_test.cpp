@@ -19,7 +19,34 @@ RgbdCamera some_camera() {
 TEST(SelfCalibration, DisabledMeansAllParametersAreFixed) {
   SelfCalibrationOptions options;
   options.enabled = false;
-  EXPECT_TRUE(sensor_prior(make_sensor(some_camera()), options).free_parameters().empty());
+  EXPECT_TRUE(sensor_prior(nominal_estimate(some_camera()), options).free_parameters().empty());
+}
+
+TEST(SelfCalibration, ATypicalReadoutIsLeftOnlyWithinItsSpreadDuringTheRun) {
+  RgbdCamera camera = some_camera();
+  camera.rolling_shutter_s.reset();
+  camera.sensor = depth_sensor(DepthSensorModel::kKinect1, SensorOrigin::kSource);
+  const SensorEstimate nominal = nominal_estimate(camera);
+  const SelfCalibrationOptions options;
+  const SensorPrior during = time_prior(nominal, options), at_end = sensor_prior(nominal, options);
+  for (const int k : {kRollingShutter, kDepthShutter}) {
+    EXPECT_EQ(during.mean(k), camera.sensor.typical_readout_s);
+    EXPECT_EQ(during.sigma(k), camera.sensor.typical_readout_sigma_s);
+    EXPECT_EQ(at_end.sigma(k), options.time_sigma_s);
+  }
+  EXPECT_EQ(during.sigma(kDepthDelay), options.time_sigma_s) << "nothing is known of it";
+}
+
+TEST(SelfCalibration, ACalibratedReadoutIsProtectedAndATypicalOneIsNot) {
+  RgbdCamera camera = some_camera();
+  camera.sensor = depth_sensor(DepthSensorModel::kKinect1, SensorOrigin::kSource);
+  const double near_s = 0.0215, sigma_s = 1e-3;
+  const SensorPrior calibrated = time_prior(nominal_estimate(camera), {});
+  EXPECT_FALSE(calibrated.accepts(kRollingShutter, near_s, sigma_s));
+  camera.rolling_shutter_s.reset();
+  const SensorPrior typical = time_prior(nominal_estimate(camera), {});
+  EXPECT_TRUE(typical.accepts(kRollingShutter, near_s, sigma_s));
+  EXPECT_FALSE(typical.accepts(kRollingShutter, near_s, 3 * sigma_s)) << "the data say too little";
 }
 
 /// Points in front of four cameras whose principal point is off by `off_px`.
@@ -52,7 +79,7 @@ SensorEstimate center_found(double off_px) {
   SelfCalibrationOptions nothing;
   nothing.enabled = false;
   BundleAdjustmentProblem problem = decentred_problem(off_px);
-  problem.bundle.prior = sensor_prior(problem.bundle.sensor, nothing);
+  problem.bundle.prior = sensor_prior(nominal_estimate(problem.bundle.sensor), nothing);
   problem.bundle.prior.sigma(kCenterX) = 3;
   return run_self_calibration(problem, {}).sensor;
 }

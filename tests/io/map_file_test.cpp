@@ -147,6 +147,14 @@ void put_view(const std::filesystem::path& map, const std::string& table, const 
   sqlite3_close(database);
 }
 
+TEST(MapFile, AReadoutTimeThatIsNotKnownStaysUnknown) {
+  const test::TempFolder folder;
+  SavedMap saved = some_saved_map();
+  saved.camera.rolling_shutter_s.reset();
+  write_map(folder.path() / "a.kinmap", saved, kImages, some_images);
+  EXPECT_FALSE(MapReader(folder.path() / "a.kinmap").read().first.camera.rolling_shutter_s);
+}
+
 TEST(MapFile, AViewIsNotReadAsATable) {
   const test::TempFolder folder;
   const auto path = folder.path() / "map.kinmap";

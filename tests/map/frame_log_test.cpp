@@ -72,6 +72,18 @@ TEST(RelocalizeLostFrames, KeepsTheDoubtOfWhatWasFound) {
   EXPECT_FALSE(log[1].doubtful);
 }
 
+TEST(RelocalizeLostFrames, WhatIsFoundWithoutDepthIsInDoubt) {
+  const FrameSearch search{nowhere, [](const Frame&, const TrackedFrame&) { return located_at(4); }};
+  TrackedFrame without_depth = logged(1, TrackingOutcome::kLost);
+  without_depth.evidence.depth_factor = 0;
+  const FrameLog log = relocalize_lost_frames(
+      {logged(0, TrackingOutcome::kTracked), without_depth, logged(2, TrackingOutcome::kLost)}, kHeight_px,
+      search);
+  EXPECT_TRUE(log[1].doubtful);
+  EXPECT_EQ(log[1].evidence.depth_factor, 0);
+  EXPECT_FALSE(log[2].doubtful);
+}
+
 /// A map of one keyframe, and frames of which `doubtful` are in doubt.
 class DoubtfulFrames : public testing::Test {
  protected:

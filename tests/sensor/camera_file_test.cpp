@@ -66,9 +66,16 @@ TEST_F(CameraFile, ReadsWhatIsThere) {
   EXPECT_EQ(camera.color.lens.k3, 1.1633);
   EXPECT_EQ(camera.depth_scale, 5000);
   EXPECT_EQ(camera.fps, 30);
-  EXPECT_EQ(camera.rolling_shutter_s, 0);
+  EXPECT_FALSE(camera.rolling_shutter_s);
   EXPECT_EQ(camera.depth_delay_s, 0);
   EXPECT_FALSE(camera.depth);
+}
+
+TEST_F(CameraFile, AGlobalShutterMayBeKnown) {
+  const RgbdCamera camera = read(std::string(kGood) + "rolling_shutter_s: 0\nsensor: kinect1\n");
+  EXPECT_EQ(camera.rolling_shutter_s, 0);
+  EXPECT_EQ(nominal_readout_s(camera), 0);
+  EXPECT_EQ(nominal_readout_s(read_camera_text(camera_file_text(camera), "again.yaml")), 0);
 }
 
 TEST_F(CameraFile, ReadsTheOptionalKeys) {

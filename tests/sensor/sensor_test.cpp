@@ -65,6 +65,17 @@ TEST(Sensor, StartsFromTheNominalCalibration) {
   EXPECT_EQ(nominal(kFocalX), 0);
 }
 
+TEST(Sensor, AReadoutThatIsNotKnownIsThatTypicalOfTheSensor) {
+  RgbdCamera camera = some_camera();
+  camera.rolling_shutter_s.reset();
+  EXPECT_EQ(make_sensor(camera).corrections(kRollingShutter), 0) << "the sensor is only assumed";
+  camera.sensor = depth_sensor(DepthSensorModel::kKinect1, SensorOrigin::kCameraFile);
+  EXPECT_EQ(make_sensor(camera).corrections(kRollingShutter), 0.03);
+  EXPECT_EQ(make_sensor(camera).corrections(kDepthShutter), 0.03);
+  camera.sensor = depth_sensor(DepthSensorModel::kHololens, SensorOrigin::kCameraFile);
+  EXPECT_EQ(make_sensor(camera).corrections(kRollingShutter), 0);
+}
+
 TEST(Sensor, OnlyStructuredLightReadsDepthRowByRow) {
   RgbdCamera camera = some_camera();
   for (const auto model : {DepthSensorModel::kKinect2, DepthSensorModel::kRealsenseD4xx}) {
@@ -72,6 +83,16 @@ TEST(Sensor, OnlyStructuredLightReadsDepthRowByRow) {
     EXPECT_EQ(make_sensor(camera).corrections(kRollingShutter), 0.02);
     EXPECT_EQ(make_sensor(camera).corrections(kDepthShutter), 0);
   }
+}
+
+TEST(SensorEstimate, ATypicalReadoutThatWasNotEstimatedStaysUnknown) {
+  RgbdCamera camera = some_camera();
+  camera.rolling_shutter_s.reset();
+  camera.sensor = depth_sensor(DepthSensorModel::kKinect1, SensorOrigin::kSource);
+  SensorEstimate estimate = nominal_estimate(make_sensor(camera));
+  EXPECT_FALSE(calibrated_camera(camera, estimate).rolling_shutter_s);
+  estimate.sensor.corrections(kRollingShutter) = 0;
+  EXPECT_EQ(calibrated_camera(camera, estimate).rolling_shutter_s, 0);
 }
 
 TEST(SensorEstimate, WithoutEstimatesTheCameraIsUnchanged) {

@@ -134,11 +134,12 @@ TEST(SimulatedSource, SeedsGiveDifferentRooms) {
 
 TEST(SimulatedSource, DoesNotExposeTheSensorGroundTruth) {
   const SimulatedSource& source = kinect_source();
-  EXPECT_EQ(source.camera().rolling_shutter_s, 0);
+  EXPECT_FALSE(source.camera().rolling_shutter_s);
   EXPECT_EQ(source.camera().depth_delay_s, 0);
   EXPECT_EQ(source.truth().rolling_shutter_s, 0.030);
   EXPECT_EQ(source.truth().depth_delay_s, 0.015);
   EXPECT_EQ(ideal_source().truth().rolling_shutter_s, 0);
+  EXPECT_EQ(ideal_source().camera().rolling_shutter_s, 0) << "of an ideal sensor it is known";
   EXPECT_EQ(source.camera().depth_scale, 5000);
   EXPECT_NEAR(source.camera().color.fx, 517.306408 / 4, 1e-6);
   EXPECT_GT(source.info().ground_truth.size(), 500U);

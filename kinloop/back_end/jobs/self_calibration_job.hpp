@@ -18,7 +18,7 @@ class SelfCalibrationJob {
   using Solution = SelfCalibrationResult;
 
   /// `nominal` is the sensor of camera.yaml.
-  SelfCalibrationJob(const Sensor& nominal, const BackEndOptions& options)
+  SelfCalibrationJob(const SensorEstimate& nominal, const BackEndOptions& options)
       : enabled_(options.self_calibration.enabled),
         prior_(time_prior(nominal, options.self_calibration)),
         options_(options.global_ba),

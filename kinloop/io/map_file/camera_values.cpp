@@ -63,7 +63,8 @@ NamedValues camera_values(const RgbdCamera& camera) {
   add_lens(values, "", camera.color);
   const auto add = [&](const char* name, double value) { values.emplace_back(name, value); };
   add("depth_scale", camera.depth_scale), add("fps", camera.fps);
-  add("rolling_shutter_s", camera.rolling_shutter_s), add("depth_offset_s", camera.depth_delay_s);
+  if (camera.rolling_shutter_s) add("rolling_shutter_s", *camera.rolling_shutter_s);
+  add("depth_offset_s", camera.depth_delay_s);
   if (camera.sensor.origin != SensorOrigin::kAssumed)
     add("depth_sensor", static_cast<double>(camera.sensor.model));
   if (!camera.depth) return values;
@@ -80,7 +81,7 @@ std::optional<RgbdCamera> camera_from(const std::map<std::string, double>& value
   camera.color = lens_from(values, "");
   camera.depth_scale = values.at("depth_scale");
   camera.fps = values.at("fps");
-  camera.rolling_shutter_s = values.at("rolling_shutter_s");
+  if (values.contains("rolling_shutter_s")) camera.rolling_shutter_s = values.at("rolling_shutter_s");
   camera.depth_delay_s = values.at("depth_offset_s");
   if (values.contains("depth_sensor"))  // not in older files
     camera.sensor =

@@ -243,7 +243,9 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
   camera.color = read_lens(block, block.size_px("width", "640"), block.size_px("height", "480"));
   camera.depth_scale = block.number_per_metre("depth_scale", "5000", {1, 1e5});
   camera.fps = block.number("fps", "30", {0.001, 1e4});
-  camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
+  if (const double readout_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
+      block.has("rolling_shutter_s"))
+    camera.rolling_shutter_s = readout_s;
   camera.depth_delay_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});
   camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres", {-1, 1});
   if (block.has("sensor")) camera.sensor = read_sensor(block);
@@ -268,7 +270,7 @@ std::string camera_file_text(const RgbdCamera& camera) {
       lens_text(camera.color, "\n") + fmt::format("  # {}\n", coefficient_names(camera.color.lens.model));
   text += fmt::format("depth_scale: {}  # units of the depth image per metre\nfps: {}\n", camera.depth_scale,
                       camera.fps);
-  if (camera.rolling_shutter_s != 0) text += fmt::format("rolling_shutter_s: {}\n", camera.rolling_shutter_s);
+  if (camera.rolling_shutter_s) text += fmt::format("rolling_shutter_s: {}\n", *camera.rolling_shutter_s);
   if (camera.depth_delay_s != 0) text += fmt::format("depth_offset_s: {}\n", camera.depth_delay_s);
   if (camera.depth_shift_m != 0) text += fmt::format("depth_shift_m: {}\n", camera.depth_shift_m);
   if (camera.sensor.origin != SensorOrigin::kAssumed)

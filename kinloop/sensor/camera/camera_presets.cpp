@@ -43,7 +43,11 @@ std::optional<RgbdCamera> camera_preset(std::string_view name) {
   }
   if (name == "freiburg3") return vga_camera(pinhole(535.4, 539.2, 320.1, 247.6), 5000);
   // ICL-NUIM (Handa et al. 2014); published with fy = -480 for y up, here y points down.
-  if (name == "icl") return vga_camera(pinhole(481.2, 480.0, 319.5, 239.5), 5000);
+  if (name == "icl") {
+    RgbdCamera rendered = vga_camera(pinhole(481.2, 480.0, 319.5, 239.5), 5000);
+    rendered.rolling_shutter_s = 0;
+    return rendered;
+  }
   return std::nullopt;
 }
 

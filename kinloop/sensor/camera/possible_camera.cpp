@@ -41,7 +41,7 @@ bool is_possible(const RgbdCamera& c) {
                    kMaxDistance_m = 100, kTolerance = 1e-3;
   return is_possible(c.color) && (!c.depth || is_possible(*c.depth)) &&
          in(c.depth_scale, kMinScale, kMaxScale) && in(c.fps, 0, kMaxRate_hz) &&
-         in(c.rolling_shutter_s, 0, kMaxTime_s) && in(std::abs(c.depth_delay_s), 0, kMaxTime_s) &&
+         in(c.rolling_shutter_s.value_or(0), 0, kMaxTime_s) && in(std::abs(c.depth_delay_s), 0, kMaxTime_s) &&
          in(std::abs(c.depth_shift_m), 0, kMaxDistance_m) &&
          in(c.T_color_depth.translation.norm(), 0, kMaxDistance_m) &&
          in(c.T_color_depth.rotation.norm(), 1 - kTolerance, 1 + kTolerance);

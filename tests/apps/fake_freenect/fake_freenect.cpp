@@ -38,6 +38,14 @@ void freenect_select_subdevices(freenect_context*, freenect_device_flags) {}
 int freenect_num_devices(freenect_context*) {
   return 1;
 }
+int freenect_list_device_attributes(freenect_context*, freenect_device_attributes** list) {
+  static char serial[] = "A00367A00000042A";
+  *list = new freenect_device_attributes{nullptr, serial};
+  return 1;
+}
+void freenect_free_device_attributes(freenect_device_attributes* list) {
+  delete list;
+}
 int freenect_open_device(freenect_context*, freenect_device** opened, int) {
   *opened = device();
   return 0;

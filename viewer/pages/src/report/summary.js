@@ -19,6 +19,7 @@ const FIGURES = [
   ['map points', ({ figures: f }) => count(f.map?.points)],
   ['median time per frame', ({ figures: f }) => f.frame_ms && `${f.frame_ms.median.toFixed(1)} ms`],
   ['95th percentile of time per frame', ({ figures: f }) => f.frame_ms && `${f.frame_ms.p95.toFixed(1)} ms`],
+  ['latency from image to pose: median, 99 %, longest', ({ figures: f }) => f.latency_ms && `${f.latency_ms.median.toFixed(1)}, ${f.latency_ms.p99.toFixed(1)}, ${f.latency_ms.longest.toFixed(1)} ms`],
   ['wall time', ({ figures: f }) => f.wall_s && `${f.wall_s.toFixed(1)} s`],
   ['CPU time', ({ figures: f }) => f.cpu_s && `${f.cpu_s.toFixed(1)} s`],
   ['peak memory', ({ figures: f }) => f.peak_memory_mib && `${Math.round(f.peak_memory_mib)} MiB`],
