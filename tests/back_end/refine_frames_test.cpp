@@ -57,11 +57,11 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
     EXPECT_EQ(limited[i].refined, old && observed);
     const Map& map = run().slam.map();
     const SE3 expected = world_pose(unlimited_end[i], map);
-    // The velocity comes from neighbours that are refined or not.
-    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 2e-4);
+    // The velocity comes from neighbours that are refined or not, and moves what is read out in 30 ms.
+    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 3e-4);
     moved_m = std::max(moved_m, (world_pose(tracked[i], map).translation - expected.translation).norm());
   }
-  EXPECT_GT(moved_m, 2e-4) << "nothing was refined";
+  EXPECT_GT(moved_m, 3e-4) << "nothing was refined";
 }
 
 TEST(LogLimiter, ChangesNothingWithinItsLimits) {
