@@ -98,6 +98,14 @@ double score(double correlation, int frames) {
   return std::atanh(std::clamp(correlation, -kMost, kMost)) * std::sqrt(static_cast<double>(frames));
 }
 
+/// Whether no other lag fits as well. Motion that repeats itself, as that of a camera which follows a path of
+/// simple curves, has other lags that come near.
+bool stands_out(const MotionLag& lag) {
+  constexpr double kHigh = 10, kOverOthers = 1.2, kEnough = 9, kFarOverOthers = 1.8;
+  return (lag.score > kHigh && lag.score > kOverOthers * lag.elsewhere) ||
+         (lag.score > kEnough && lag.score > kFarOverOthers * lag.elsewhere);
+}
+
 /// A unit of time that is read as another one.
 struct UnitMistake {
   double rate_ratio;  ///< of the rate in the stamps to the real one
@@ -182,7 +190,7 @@ std::optional<InputWarning> ClockCheck::stamps() const {
 std::optional<InputWarning> ClockCheck::depth_clock() const {
   constexpr double kMaxLag_s = 5;  // the limit of --depth-offset
   constexpr double kMinLag_s = 0.2;
-  constexpr double kClear = 0.5, kOverAsItIs = 0.25, kMinScore = 9, kOverOthers = 1.2;
+  constexpr double kClear = 0.5, kOverAsItIs = 0.25;
   const double interval_s = median_interval_s();
   if (!(interval_s > 0)) return std::nullopt;
   const auto max_lag =
@@ -190,8 +198,8 @@ std::optional<InputWarning> ClockCheck::depth_clock() const {
   const auto lag = motion_lag(color_motion_, depth_motion_, max_lag);
   if (!lag) return std::nullopt;
   const double lag_s = lag->frames * interval_s;
-  const bool clear = lag->correlation > kClear && lag->correlation > lag->without_lag + kOverAsItIs &&
-                     lag->score > kMinScore && lag->score > kOverOthers * lag->elsewhere;
+  const bool clear =
+      lag->correlation > kClear && lag->correlation > lag->without_lag + kOverAsItIs && stands_out(*lag);
   if (!clear || std::abs(lag_s) < kMinLag_s) return std::nullopt;
   return InputWarning{
       InputFault::kDepthClock,
