@@ -36,16 +36,13 @@ cv::Mat small_inverse_depth(const cv::Mat& depth_m) {
   return small;
 }
 
-/// Mean change of brightness, without that of the exposure.
+/// Mean change of brightness, without that of the exposure. In whole numbers, whose sums are vectorised.
 float color_motion(const cv::Mat& before, const cv::Mat& now) {
-  const size_t count = now.total();
-  int sum = 0;
-  for (size_t i = 0; i < count; ++i) sum += now.data[i] - before.data[i];
-  const float mean = static_cast<float>(sum) / static_cast<float>(count);
-  float change = 0;
-  for (size_t i = 0; i < count; ++i)
-    change += std::abs(static_cast<float>(now.data[i] - before.data[i]) - mean);
-  return change / static_cast<float>(count);
+  constexpr int kPixels = kWidth_px * kHeight_px;
+  int sum = 0, change = 0;
+  for (int i = 0; i < kPixels; ++i) sum += now.data[i] - before.data[i];
+  for (int i = 0; i < kPixels; ++i) change += std::abs(kPixels * (now.data[i] - before.data[i]) - sum);
+  return static_cast<float>(change) / (static_cast<float>(kPixels) * kPixels);
 }
 
 /// Mean change of inverse depth where both are known.
