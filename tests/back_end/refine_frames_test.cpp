@@ -58,10 +58,10 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
     const Map& map = run().slam.map();
     const SE3 expected = world_pose(unlimited_end[i], map);
     // The velocity comes from neighbours that are refined or not, and moves what is read out in 30 ms.
-    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 3e-4);
+    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 5e-4);
     moved_m = std::max(moved_m, (world_pose(tracked[i], map).translation - expected.translation).norm());
   }
-  EXPECT_GT(moved_m, 3e-4) << "nothing was refined";
+  EXPECT_GT(moved_m, 5e-4) << "nothing was refined";
 }
 
 TEST(LogLimiter, ChangesNothingWithinItsLimits) {

@@ -52,9 +52,9 @@ TEST(MotionModel, ChangesTheVelocityNoFasterThanAHand) {
     return model.velocity_of(motion_of(x_m_s / kRate_hz), kInterval_ns).linear_m_s.x();
   };
   MotionModel model;
-  EXPECT_NEAR(velocity_of(model, 5), 5, 1e-9) << "nothing to compare it with";
+  EXPECT_NEAR(velocity_of(model, 5), 5, 1e-6) << "nothing to compare it with";
   model.update({{kSpeed_m_s, 0, 0}, {}}, kInterval_ns);
-  EXPECT_NEAR(velocity_of(model, kSpeed_m_s + 0.7), kSpeed_m_s + 0.7, 1e-9);
+  EXPECT_NEAR(velocity_of(model, kSpeed_m_s + 0.7), kSpeed_m_s + 0.7, 1e-6);
   EXPECT_NEAR(velocity_of(model, 5), kSpeed_m_s + kMaxChange_m_s, 1e-3);
   EXPECT_NEAR(velocity_of(model, -5), kSpeed_m_s - kMaxChange_m_s, 1e-3);
 }
