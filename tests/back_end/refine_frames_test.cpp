@@ -49,7 +49,7 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
   const FrameLog& tracked = run().slam.log();
   const FrameLog limited = limited_log({kKept, 100});
   const FrameLog limited_end = finished(limited), unlimited_end = finished(tracked);
-  double moved_m = 0;
+  double moved_m = 0, off_m = 0;
   for (size_t i = 0; i < limited.size(); ++i) {
     SCOPED_TRACE(i);
     const bool old = i + kKept < limited.size(), observed = !tracked[i].measurements.empty();
@@ -57,11 +57,12 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
     EXPECT_EQ(limited[i].refined, old && observed);
     const Map& map = run().slam.map();
     const SE3 expected = world_pose(unlimited_end[i], map);
-    // The velocity comes from neighbours that are refined or not, and moves what is read out in 30 ms.
-    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 5e-4);
+    off_m = std::max(off_m, (world_pose(limited_end[i], map).translation - expected.translation).norm());
     moved_m = std::max(moved_m, (world_pose(tracked[i], map).translation - expected.translation).norm());
   }
-  EXPECT_GT(moved_m, 5e-4) << "nothing was refined";
+  EXPECT_GT(moved_m, 1e-3) << "nothing was refined";
+  // The velocity, by which 30 ms of readout are compensated, comes from neighbours that are refined or not.
+  EXPECT_LT(off_m, moved_m / 4);
 }
 
 TEST(LogLimiter, ChangesNothingWithinItsLimits) {
