@@ -42,6 +42,35 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {:02} min", s / kHour, s % kHour / kMinute);
 }
 
+double share_done(const ProgressReport& now) {
+  return std::min(1.0, static_cast<double>(now.done) / static_cast<double>(now.total));
+}
+
+/// 0 while it is unreliable.
+double rate_of(const ProgressReport& now, const StageTime& stage) {
+  constexpr double kMinTimeS = 0.5;
+  const auto done = static_cast<double>(now.done - std::min(now.done, stage.done_at_start));
+  return stage.elapsed_s >= kMinTimeS ? done / stage.elapsed_s : 0;
+}
+
+std::string time_text(const ProgressReport& now, const StageTime& stage, double per_second) {
+  if (now.done >= now.total) return fmt::format("   {} total", duration_text(stage.elapsed_s));
+  if (!(per_second > 0)) return "";
+  return fmt::format("   {} left", duration_text(static_cast<double>(now.total - now.done) / per_second));
+}
+
+/// Of at most `width` columns with its brackets; empty if that is too short.
+std::string bar_text(double share, size_t width) {
+  constexpr size_t kLongest = 30, kShortest = 3, kBrackets = 2;
+  if (width < kShortest + kBrackets) return "";
+  const size_t cells = std::min(kLongest, width - kBrackets);
+  const auto full = static_cast<size_t>(share * static_cast<double>(cells));
+  std::string bar(full, '=');
+  if (full < cells) bar += '>';
+  bar.resize(cells, ' ');
+  return '[' + bar + ']';
+}
+
 /// Redraws its line, and starts a new one for each stage; without a terminal, prints a line now and then.
 class Bar {
  public:
@@ -119,40 +148,21 @@ Progress make_progress_bar(bool quiet) {
 }
 
 std::string progress_line(const ProgressReport& now, const StageTime& stage, size_t width) {
-  constexpr double kMinRateTimeS = 0.5;  // before, the rate is unreliable
-  const auto done = static_cast<double>(now.done - std::min(now.done, stage.done_at_start));
-  const double per_second = stage.elapsed_s >= kMinRateTimeS ? done / stage.elapsed_s : 0;
+  const double per_second = rate_of(now, stage);
   const std::string rate = per_second > 0 ? fmt::format("{:7.1f}/s", per_second) : std::string(9, ' ');
-  if (now.total == 0) {
-    const std::string note = now.note.empty() ? "" : "   " + now.note;
-    return fmt::format("{:<10} {} {}{}", now.stage, now.done, rate, note).substr(0, width);
-  }
+  const std::string note = now.note.empty() ? "" : "   " + now.note;
+  if (now.total == 0) return fmt::format("{:<10} {} {}{}", now.stage, now.done, rate, note).substr(0, width);
 
-  const auto total = static_cast<double>(now.total);
-  const double share = std::min(1.0, static_cast<double>(now.done) / total);
-  std::string time;
-  if (share >= 1) {
-    time = fmt::format("   {} total", duration_text(stage.elapsed_s));
-  } else if (per_second > 0) {
-    time = fmt::format("   {} left", duration_text((total - static_cast<double>(now.done)) / per_second));
-  }
-  const std::string total_text = std::to_string(now.total);
-  const std::string counts = fmt::format("  {:>{}}/{}", now.done, total_text.size(), total_text);
-  if (!now.note.empty()) time += "   " + now.note;
+  const std::string total = std::to_string(now.total);
   const std::string head = fmt::format("{:<10} ", now.stage);
-
-  constexpr size_t kLongestBar = 30, kShortBar = 10, kShortestBar = 5, kBrackets = 2, kTimeColumns = 20;
-  const size_t note_columns = now.note.empty() ? 0 : now.note.size() + 3;
-  const size_t others = head.size() + counts.size() + rate.size() + kTimeColumns + kBrackets;
-  size_t cells = width > others + note_columns ? std::min(kLongestBar, width - others - note_columns) : 0;
-  // The end of the note is dropped first, then the bar.
-  if (cells < kShortBar) cells = width > others ? std::min(kShortBar, width - others) : 0;
-  if (cells < kShortestBar) return (head + counts + rate + time).substr(0, width);
-  const auto full = static_cast<size_t>(share * static_cast<double>(cells));
-  std::string bar(full, '=');
-  if (full < cells) bar += '>';
-  bar.resize(cells, ' ');
-  return (head + '[' + bar + ']' + counts + rate + time).substr(0, width);
+  const std::string counts = fmt::format("  {:>{}}/{}", now.done, total.size(), total);
+  const std::string time = time_text(now, stage, per_second);
+  // The bar gives way to the note. It keeps its length while the time has fewer columns than this.
+  constexpr size_t kTimeColumns = 13;
+  const size_t others =
+      head.size() + counts.size() + rate.size() + std::max(time.size(), kTimeColumns) + note.size();
+  return (head + bar_text(share_done(now), width > others ? width - others : 0) + counts + rate + time + note)
+      .substr(0, width);
 }
 
 }  // namespace kinloop
