@@ -64,6 +64,7 @@ ExitCode run(int argc, char** argv) {
   kinloop::add_map_command(app);
   kinloop::add_export_command(app);
   kinloop::add_mesh_command(app);
+  kinloop::add_plan_command(app);
   kinloop::add_reproduce_command(app);
   const std::vector<std::string> words(argv + 1, argv + argc);
   kinloop::add_batch_command(app, words);

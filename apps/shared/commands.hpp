@@ -50,6 +50,7 @@ void add_share_command(CLI::App& app);
 void add_map_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_mesh_command(CLI::App& app);
+void add_plan_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
 
 /// Replaces this process by `python3 PACKAGE WORDS...`, which finds the program in KINLOOP_PROGRAM. Throws
