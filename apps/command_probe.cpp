@@ -55,10 +55,16 @@ void take_frames(FrameSource& source, Probed& probed) {
   probed.skipped = source.skipped();
 }
 
+OpenedSequence read_folder(const SourceRequest& request) {
+  OpenedSequence opened = read_sequence(request.sequence, request.camera, request.depth_scale);
+  if (request.sensor) opened.camera.sensor = depth_sensor(*request.sensor, SensorOrigin::kCameraFile);
+  return opened;
+}
+
 /// Decodes frames spread over the sequence; of a video, which can only be read in order, the first.
 Probed probe_layout(const SourceRequest& request) {
   const std::string& path = request.sequence;
-  OpenedSequence opened = read_sequence(path, request.camera, request.depth_scale);
+  OpenedSequence opened = read_folder(request);
   RecordedSequence& sequence = opened.sequence;
   Probed probed;
   probed.name = path;
@@ -102,7 +108,7 @@ std::string lens_text(const PinholeCamera& lens) {
 
 std::string sensor_text(const DepthSensor& sensor) {
   const auto origin = [&] {
-    if (sensor.origin == SensorOrigin::kCameraFile) return "named in the camera file";
+    if (sensor.origin == SensorOrigin::kCameraFile) return "named by the camera file or the user";
     return sensor.origin == SensorOrigin::kSource ? "known from the recording"
                                                   : "assumed; name it in camera.yaml if it is another";
   };
@@ -204,7 +210,7 @@ void print_probed(const Probed& probed) {
 /// The camera with which a run would map the recording; no image is decoded of a folder.
 RgbdCamera camera_of(const SourceRequest& request) {
   if (is_recording(request.sequence)) return open_frame_source(request)->camera();
-  return read_sequence(request.sequence, request.camera, request.depth_scale).camera;
+  return read_folder(request).camera;
 }
 
 void probe(const ProbeArguments& arguments) {

@@ -45,23 +45,51 @@ function(kinloop_program name)
   kinloop_compile_options(${name})
 endfunction()
 
-# kinloop_test(NAME [LIBRARIES target...] [TOGETHER suite...])
+# kinloop_test(NAME [LIBRARIES target...] [TOGETHER suite...] [BY_SUITE])
 # One GoogleTest program test_<NAME> from tests/<NAME>/*.cpp; each of its tests is a separate CTest test, but for suites
-# whose tests share what takes long to make (a rendered recording, a finished run): each of them is one CTest test.
+# whose tests share what takes long to make (a rendered recording, a finished run): each of them is one CTest test. With
+# BY_SUITE so is every suite without parameters, where starting the program takes longer than most of its tests.
 function(kinloop_test name)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES;TOGETHER" ${ARGN})
+  cmake_parse_arguments(ARG "BY_SUITE" "" "LIBRARIES;TOGETHER" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
-  kinloop_program(test_${name} SOURCES ${sources} LIBRARIES ${ARG_LIBRARIES} kinloop_test_support GTest::gmock
-                                                            GTest::gtest_main)
+  kinloop_program(test_${name} SOURCES ${sources} LIBRARIES ${ARG_LIBRARIES} kinloop_test_support GTest::gmock)
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # halves the compile time; the library is at -O3
+  set(suites ${ARG_TOGETHER})
+  if(ARG_BY_SUITE)
+    kinloop_test_suites(names ${sources})
+    list(APPEND suites ${names})
+    list(REMOVE_DUPLICATES suites)
+  endif()
   set(others "*")
-  if(ARG_TOGETHER)
-    list(JOIN ARG_TOGETHER ".*:" others)
+  if(suites)
+    list(JOIN suites ".*:" others)
     set(others "-${others}.*")
   endif()
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. TEST_FILTER ${others} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
-  foreach(suite ${ARG_TOGETHER})
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. TEST_FILTER ${others} DISCOVERY_TIMEOUT 60
+                                    PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77)
+  foreach(suite ${suites})
     add_test(NAME ${name}.${suite} COMMAND test_${name} --gtest_filter=${suite}.*)
-    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600 COST 60)  # the longest begin first
+    set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77)
   endforeach()
+  foreach(suite ${ARG_TOGETHER})
+    set_tests_properties(${name}.${suite} PROPERTIES COST 60)  # the longest begin first
+  endforeach()
+endfunction()
+
+# kinloop_test_suites(VARIABLE source...): the suites without parameters, but for files that depend on optional parts. A
+# new suite is run test by test until CMake runs again.
+function(kinloop_test_suites variable)
+  set(suites)
+  foreach(source ${ARGN})
+    file(STRINGS ${source} optional REGEX "^#ifn?def KINLOOP_WITH")
+    if(optional)
+      continue()
+    endif()
+    file(STRINGS ${source} lines REGEX "^TEST(_F)?\\([A-Za-z0-9_]+,")
+    foreach(line ${lines})
+      string(REGEX REPLACE "^TEST(_F)?\\(([A-Za-z0-9_]+),.*" "\\2" suite "${line}")
+      list(APPEND suites ${suite})
+    endforeach()
+  endforeach()
+  set(${variable} ${suites} PARENT_SCOPE)
 endfunction()

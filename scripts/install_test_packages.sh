@@ -16,6 +16,7 @@ packages=(
   dask==2026.8.0 distributed==2026.8.0    # workers of kinloop batch: tests/batch/dask_test.py
   "pyarrow==26.0.1; python_version>='3.11'" # its Parquet: the same
   pyrealsense2==2.59.1.11053              # .db3 files of RealSense cameras: tests/scripts/realsense_test.py
+  "pyk4a-bundle==1.5.0; python_version=='3.11' and platform_machine=='x86_64'" # .mkv of an Azure Kinect: tests/scripts/azure_test.py
 )
 realsense_bag=pyrealsense2==2.57.7.10387  # the last one that writes .bag files
 environment="build/test_packages"

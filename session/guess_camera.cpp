@@ -79,9 +79,12 @@ GuessedCamera guess_camera(const std::string& given_folder, std::optional<double
 CameraDescription guess_camera_aloud(const std::string& folder, std::optional<double> depth_scale) {
   const GuessedCamera guess = guess_camera(folder, depth_scale);
   const PinholeCamera& lens = guess.description.camera.color;
-  const std::string found = fmt::format(
-      "fx = fy = {:.0f} px (+- {:.0f}), {:.0f} x {:.0f} degrees, after {} maps of the first frames", lens.fx,
-      guess.sigma * lens.fx, angle_deg(lens.width, lens.fx), angle_deg(lens.height, lens.fy), guess.rounds);
+  const std::string known = guess.sigma > 0 ? fmt::format("+- {:.0f}", guess.sigma * lens.fx)
+                                            : std::string("that of a common sensor");
+  const std::string found =
+      fmt::format("fx = fy = {:.0f} px ({}), {:.0f} x {:.0f} degrees, after {} map{} of the first frames",
+                  lens.fx, known, angle_deg(lens.width, lens.fx), angle_deg(lens.height, lens.fy),
+                  guess.rounds, guess.rounds == 1 ? "" : "s");
   if (guess.is_certain) {
     log::info("--camera guess: {}; the principal point is taken as the middle, distortion as none", found);
   } else {

@@ -20,6 +20,7 @@
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
+#include "session/named_sensor_source.hpp"
 #include "session/shifted_depth_source.hpp"
 #include "session/thinned_source.hpp"
 
@@ -65,6 +66,13 @@ constexpr RecordingFormat kRecordingFormats[] = {
        return open_bag({r.sequence, camera, has_unit, r.depth_scale, r.topics});
      }}};
 
+DepthSensorModel parse_sensor(const std::string& name) {
+  for (const auto& known : option_names(DepthSensorModel{})) {
+    if (known.name == name) return known.value;
+  }
+  throw UsageError(fmt::format("'{}' is no depth sensor; see docs/cameras.md", name));
+}
+
 const RecordingFormat* recording_format(const std::string& sequence) {
   const auto* found = std::find_if(std::begin(kRecordingFormats), std::end(kRecordingFormats),
                                    [&](const RecordingFormat& format) { return format.accepts(sequence); });
@@ -102,6 +110,7 @@ void set_camera(SourceRequest& request, const CameraOptions& options) {
   if (!options.camera.empty()) request.camera = options.camera;
   if (!options.intrinsics.empty()) request.camera = parse_intrinsics(options.intrinsics);
   if (options.depth_scale > 0) request.depth_scale = options.depth_scale;
+  if (!options.sensor.empty()) request.sensor = parse_sensor(options.sensor);
 }
 
 bool is_camera_or_stream(const std::string& sequence) {
@@ -134,6 +143,7 @@ std::unique_ptr<FrameSource> open_as_recorded(const SourceRequest& request) {
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   auto source = open_as_recorded(request);
+  if (request.sensor) source = std::make_unique<NamedSensorSource>(std::move(source), *request.sensor);
   if (request.depth_offset_s != 0)
     source = std::make_unique<ShiftedDepthSource>(std::move(source), request.depth_offset_s);
   if (request.every != 1) source = std::make_unique<ThinnedSource>(std::move(source), request.every);

@@ -53,8 +53,10 @@ RunOptions options_of(const RunSettings& settings, const std::optional<Continued
 SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   SourceRequest source;
   source.sequence = request.sequence;
-  const bool is_guess = request.camera.camera == "guess";
-  set_camera(source, is_guess ? CameraOptions{{}, {}, request.camera.depth_scale} : request.camera);
+  CameraOptions camera = request.camera;
+  const bool is_guess = camera.camera == "guess";
+  if (is_guess) camera.camera.clear();
+  set_camera(source, camera);
   if (is_guess) {
     if (is_camera_or_stream(request.sequence) || is_recording(request.sequence))
       throw UsageError(

@@ -64,6 +64,16 @@ void add_up_option(CLI::App& command, std::vector<std::string>& assignments) {
       ->option_text("X,Y,Z");
 }
 
+namespace {
+
+std::vector<std::string> sensor_names() {
+  std::vector<std::string> names;
+  for (const auto& sensor : option_names(DepthSensorModel{})) names.emplace_back(sensor.name);
+  return names;
+}
+
+}  // namespace
+
 void add_camera_options(CLI::App& command, CameraOptions& camera) {
   constexpr double kFewestUnits = 1, kMostUnits = 1e5;  // as in camera.yaml
   CLI::Option* file = command.add_option(
@@ -84,6 +94,13 @@ void add_camera_options(CLI::App& command, CameraOptions& camera) {
           "camera file or the dataset has it, else guessed)")
       ->option_text("UNITS_PER_M")
       ->check(number(kFewestUnits, kMostUnits));
+  command
+      .add_option(
+          "--sensor", camera.sensor,
+          "the depth sensor, whose noise and range are used (default: that of the camera file or the\n"
+          "recording, else kinect1)")
+      ->option_text("NAME")
+      ->check(one_of(sensor_names()));
 }
 
 CLI::Validator whole_number(int low, int high) {

@@ -27,7 +27,7 @@ void add_frame_option(CLI::App& command, std::string& frame);
 /// --up x,y,z: adds the up direction to the assignments of options.
 void add_up_option(CLI::App& command, std::vector<std::string>& assignments);
 
-/// --camera FILE, --intrinsics fx,fy,cx,cy and --depth-scale UNITS_PER_M of a source.
+/// --camera FILE, --intrinsics fx,fy,cx,cy, --depth-scale UNITS_PER_M and --sensor NAME of a source.
 void add_camera_options(CLI::App& command, CameraOptions& camera);
 
 /// --threads N.

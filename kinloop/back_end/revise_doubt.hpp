@@ -13,6 +13,8 @@ namespace kinloop {
 /// - Doubt extends from doubtful and lost frames to their neighbours, up to 2 s away, for as long as much of
 ///   the view moves or contradicts the pose. A camera that begins to follow something that moves finds enough
 ///   that agrees; that it was not the room becomes clear later.
+/// - Doubt that lasts half a second reaches half a second further, and over less than three seconds of trust
+///   between two such stretches of a component.
 FrameLog revise_doubt(FrameLog log, size_t first, const Map& map);
 
 /// Returns since which frame, at most 2 s before frame `last`, much of what has not moved has contradicted

@@ -8,18 +8,9 @@
 namespace kinloop {
 namespace {
 
-/// The first frames of the simulated room. Their readout is said to be 0, so that poses depend little on
-/// velocities: those of the log come from neighbours that are refined or not, which makes up to 0.6 mm with a
-/// readout of 30 ms.
-test::Recording first_frames() {
-  test::Recording recording = test::record_simulation("sim:room", 30);
-  recording.camera.rolling_shutter_s = 0;
-  return recording;
-}
-
-/// A run over them, not finished.
+/// A run over the first frames of the simulated room, not finished.
 struct Run {
-  test::Recording recording = first_frames();
+  test::Recording recording = test::record_simulation("sim:room", 30);
   SlamOptions options;
   Slam slam{recording.camera, options};
 
@@ -58,7 +49,7 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
   const FrameLog& tracked = run().slam.log();
   const FrameLog limited = limited_log({kKept, 100});
   const FrameLog limited_end = finished(limited), unlimited_end = finished(tracked);
-  double moved_m = 0;
+  double moved_m = 0, off_m = 0;
   for (size_t i = 0; i < limited.size(); ++i) {
     SCOPED_TRACE(i);
     const bool old = i + kKept < limited.size(), observed = !tracked[i].measurements.empty();
@@ -66,11 +57,12 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
     EXPECT_EQ(limited[i].refined, old && observed);
     const Map& map = run().slam.map();
     const SE3 expected = world_pose(unlimited_end[i], map);
-    // The velocity comes from neighbours that are refined or not.
-    EXPECT_LT((world_pose(limited_end[i], map).translation - expected.translation).norm(), 2e-4);
+    off_m = std::max(off_m, (world_pose(limited_end[i], map).translation - expected.translation).norm());
     moved_m = std::max(moved_m, (world_pose(tracked[i], map).translation - expected.translation).norm());
   }
-  EXPECT_GT(moved_m, 2e-4) << "nothing was refined";
+  EXPECT_GT(moved_m, 1e-3) << "nothing was refined";
+  // The velocity, by which 30 ms of readout are compensated, comes from neighbours that are refined or not.
+  EXPECT_LT(off_m, moved_m / 4);
 }
 
 TEST(LogLimiter, ChangesNothingWithinItsLimits) {

@@ -34,6 +34,7 @@ class Layouts(unittest.TestCase):
             self.assertIn("OpenGL", said["truth: `traj.txt`, 12 columns, axes of OpenGL"])
             self.assertIn("raw disparity", said["depth as `png`, raw disparity of a Kinect 1"])
             self.assertIn("camera.yaml", said["no camera"])
+            self.assertNotIn("warning", said["half the size of depth"])
 
 
 if __name__ == "__main__":

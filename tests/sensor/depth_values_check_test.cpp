@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/sensor/images/image_file.hpp"
 #include "tests/sensor/contradictory_frames.hpp"
 #include "tests/support/shared_data.hpp"
@@ -84,6 +85,19 @@ TEST(DepthValuesCheck, NamesTheLimitOfClippedDepth) {
 /// As a Kinect 1 without its driver gives it: 1000 units of disparity per "metre".
 float raw_kinect1(float z_m) {
   return 1e-3F * std::round(2842.5F * (std::atan(z_m / 0.1236F) - 1.1863F));
+}
+
+TEST(DepthValuesCheck, TheFirstFramesMayHaveNoDepth) {
+  constexpr int kCovered = 10, kClipped = 30;  // times the recording
+  const Recording clipped = with_depth(kinect_room(), each([](float z_m) { return std::min(z_m, 2.0F); }));
+  const Recording covered = with_depth(clipped, each([](float) { return 0.0F; }));
+  DepthValuesCheck check(clipped.camera);
+  for (int i = 0; i < kCovered + kClipped; ++i) {
+    for (const Frame& frame : (i < kCovered ? covered : clipped).frames) check.observe(frame);
+  }
+  const auto warning = check.values();
+  ASSERT_TRUE(warning);
+  EXPECT_THAT(warning->evidence, HasSubstr("at exactly 2.000 m"));
 }
 
 TEST(DepthValuesCheck, NamesRawDisparityOfAKinect1) {
@@ -169,6 +183,12 @@ TEST(DepthValuesCheck, SaysNothingOfTheUnitOfSensorsThatAreTakenForAKinect) {
     recording.camera.sensor = {};
     EXPECT_EQ(unit_text(recording), "");
   }
+}
+
+TEST(DepthValuesCheck, SaysNothingOfTheUnitOfDepthThatRegistrationEnlarges) {
+  Recording recording = with_wrong_scale(0.5);
+  recording.camera.depth = resized(recording.camera.color, recording.camera.color.width / 2);
+  EXPECT_EQ(unit_text(recording), "");
 }
 
 TEST(DisparitySteps, AreNotThoseOfCentimetres) {

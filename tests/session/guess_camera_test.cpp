@@ -47,6 +47,7 @@ TEST(GuessedCamera, IsNotCertainWithoutMotion) {
   write_cropped_room(folder.path(), 44, 2, 1);
   const GuessedCamera guess = guess_camera(folder.path().string(), 5000);
   EXPECT_FALSE(guess.is_certain);
+  EXPECT_EQ(guess.sigma, 0);
   EXPECT_NEAR(guess.description.camera.color.fx, 320 * 525.0 / 640, 1e-9);
 }
 

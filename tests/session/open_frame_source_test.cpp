@@ -62,6 +62,22 @@ TEST(OpenFrameSource, ARecordingThatIsMissingIsNamed) {
   }
 }
 
+TEST(OpenFrameSource, TheDepthSensorIsThatWhichTheUserNames) {
+  SourceRequest request;
+  request.sequence = "sim:room";
+  request.simulation.frames = 1;
+  CameraOptions options;
+  options.sensor = "kinect2";
+  set_camera(request, options);
+  const auto source = open_frame_source(request);
+  EXPECT_EQ(source->camera().sensor.model, DepthSensorModel::kKinect2);
+  EXPECT_EQ(source->camera().sensor.origin, SensorOrigin::kCameraFile);
+  EXPECT_TRUE(source->next());
+  options.sensor = "kinect";
+  EXPECT_THAT(test::usage_error([&] { set_camera(request, options); }),
+              HasSubstr("'kinect' is no depth sensor"));
+}
+
 TEST(OpenFrameSource, TheSimulationTakesNoOtherCamera) {
   SourceRequest request;
   request.sequence = "sim:room";

@@ -36,16 +36,13 @@ cv::Mat small_inverse_depth(const cv::Mat& depth_m) {
   return small;
 }
 
-/// Mean change of brightness, without that of the exposure.
+/// Mean change of brightness, without that of the exposure. In whole numbers, whose sums are vectorised.
 float color_motion(const cv::Mat& before, const cv::Mat& now) {
-  const size_t count = now.total();
-  int sum = 0;
-  for (size_t i = 0; i < count; ++i) sum += now.data[i] - before.data[i];
-  const float mean = static_cast<float>(sum) / static_cast<float>(count);
-  float change = 0;
-  for (size_t i = 0; i < count; ++i)
-    change += std::abs(static_cast<float>(now.data[i] - before.data[i]) - mean);
-  return change / static_cast<float>(count);
+  constexpr int kPixels = kWidth_px * kHeight_px;
+  int sum = 0, change = 0;
+  for (int i = 0; i < kPixels; ++i) sum += now.data[i] - before.data[i];
+  for (int i = 0; i < kPixels; ++i) change += std::abs(kPixels * (now.data[i] - before.data[i]) - sum);
+  return static_cast<float>(change) / (static_cast<float>(kPixels) * kPixels);
 }
 
 /// Mean change of inverse depth where both are known.
@@ -96,6 +93,14 @@ double correlation(const std::vector<float>& color, const std::vector<float>& de
 double score(double correlation, int frames) {
   constexpr double kMost = 0.99;
   return std::atanh(std::clamp(correlation, -kMost, kMost)) * std::sqrt(static_cast<double>(frames));
+}
+
+/// Whether no other lag fits as well. Motion that repeats itself, as that of a camera which follows a path of
+/// simple curves, has other lags that come near.
+bool stands_out(const MotionLag& lag) {
+  constexpr double kHigh = 10, kOverOthers = 1.2, kEnough = 9, kFarOverOthers = 1.8;
+  return (lag.score > kHigh && lag.score > kOverOthers * lag.elsewhere) ||
+         (lag.score > kEnough && lag.score > kFarOverOthers * lag.elsewhere);
 }
 
 /// A unit of time that is read as another one.
@@ -182,7 +187,7 @@ std::optional<InputWarning> ClockCheck::stamps() const {
 std::optional<InputWarning> ClockCheck::depth_clock() const {
   constexpr double kMaxLag_s = 5;  // the limit of --depth-offset
   constexpr double kMinLag_s = 0.2;
-  constexpr double kClear = 0.5, kOverAsItIs = 0.25, kMinScore = 9, kOverOthers = 1.2;
+  constexpr double kClear = 0.5, kOverAsItIs = 0.25;
   const double interval_s = median_interval_s();
   if (!(interval_s > 0)) return std::nullopt;
   const auto max_lag =
@@ -190,8 +195,8 @@ std::optional<InputWarning> ClockCheck::depth_clock() const {
   const auto lag = motion_lag(color_motion_, depth_motion_, max_lag);
   if (!lag) return std::nullopt;
   const double lag_s = lag->frames * interval_s;
-  const bool clear = lag->correlation > kClear && lag->correlation > lag->without_lag + kOverAsItIs &&
-                     lag->score > kMinScore && lag->score > kOverOthers * lag->elsewhere;
+  const bool clear =
+      lag->correlation > kClear && lag->correlation > lag->without_lag + kOverAsItIs && stands_out(*lag);
   if (!clear || std::abs(lag_s) < kMinLag_s) return std::nullopt;
   return InputWarning{
       InputFault::kDepthClock,

@@ -26,11 +26,9 @@ DepthLevels::DepthLevels(double depth_scale)
     : units_per_m_(std::max(depth_scale, 1000.0)), counts_(kValues) {}  // metres are read to the millimetre
 
 void DepthLevels::add(const cv::Mat& depth_m) {
-  constexpr int kColumns = 40, kFewerRows = 3;
-  constexpr uint64_t kPlenty = 60'000;  // pixels; of two seconds at 30 Hz
+  constexpr int kColumns = 40;
   const int step = std::max(1, depth_m.cols / kColumns);
-  const int row_step = pixels_ < kPlenty ? step : kFewerRows * step;
-  for (int y = step / 2; y < depth_m.rows; y += row_step) {
+  for (int y = step / 2; y < depth_m.rows; y += step) {
     const auto* row = depth_m.ptr<float>(y);
     for (int x = step / 2; x < depth_m.cols; x += step) {
       const double units = static_cast<double>(row[x]) * units_per_m_ + 0.5;

@@ -65,6 +65,12 @@ bool is_known_as_kinect1(const RgbdCamera& camera) {
   return 3 * camera.color.width == 4 * camera.color.height && share > kWidest && share < kNarrowest;
 }
 
+/// Whether registration enlarges depth images: it interpolates then, which leaves smaller steps.
+bool is_enlarged(const RgbdCamera& camera) {
+  constexpr double kMagnification = 1.1;
+  return camera.depth && camera.color.fx > kMagnification * camera.depth->fx;
+}
+
 /// `factor` is what depth must be multiplied by.
 std::string unit_remedy(const RgbdCamera& camera, double factor, double tolerance) {
   constexpr const char* kUnless = "unless the sensor is another one (sensor: in camera.yaml)";
@@ -100,7 +106,7 @@ std::optional<InputWarning> DepthValuesCheck::unit() const {
   // Kinects have 0.0028 to 0.0029, simulated ones 0.0031.
   constexpr double kKinect1_per_m = 1 / (8 * 580 * 0.075);
   constexpr double kKnown = 1.5, kAssumed = 2.5, kUsual = 1.3;
-  if (camera_.sensor.kind != DepthSensorKind::kStructuredLight) return std::nullopt;
+  if (camera_.sensor.kind != DepthSensorKind::kStructuredLight || is_enlarged(camera_)) return std::nullopt;
   const auto step_per_m = steps_.per_m();
   if (!step_per_m) return std::nullopt;
   const double factor = *step_per_m / kKinect1_per_m;  // steps k z^2 of depth that is s times as large: k / s

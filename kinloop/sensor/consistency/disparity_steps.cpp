@@ -20,11 +20,9 @@ double bin_per_m(int bin) {
 }  // namespace
 
 void DisparitySteps::add(const cv::Mat& depth_m) {
-  constexpr int kColumns = 40, kFewerRows = 4;
-  constexpr size_t kPlenty = 60'000;  // of two seconds at 30 Hz, perhaps at a single distance
+  constexpr int kColumns = 40;
   const int step = std::max(2, depth_m.cols / kColumns);
-  const int row_step = pairs_ < kPlenty ? step : kFewerRows * step;
-  for (int y = step / 2; y < depth_m.rows; y += row_step) {
+  for (int y = step / 2; y < depth_m.rows; y += step) {
     const auto* row = depth_m.ptr<float>(y);
     for (int x = step / 2; x < depth_m.cols; x += step) {
       if (row[x - 1] > 0 && row[x] > 0) add_pair(row[x - 1], row[x]);
@@ -35,7 +33,6 @@ void DisparitySteps::add(const cv::Mat& depth_m) {
 void DisparitySteps::add_pair(float a_m, float b_m) {
   // Below, rounding to units moves a difference by too much of itself.
   constexpr double kMinUnits = 4;
-  ++pairs_;
   const double near_m = static_cast<double>(std::min(a_m, b_m)),
                far_m = static_cast<double>(std::max(a_m, b_m));
   const double difference_m = far_m - near_m;

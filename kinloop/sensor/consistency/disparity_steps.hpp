@@ -40,7 +40,6 @@ class DisparitySteps {
   void add_pair(float a_m, float b_m);
 
   double unit_m_;
-  size_t pairs_ = 0;
   std::array<Histogram, kDistances> histograms_;
 };
 

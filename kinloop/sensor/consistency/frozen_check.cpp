@@ -12,14 +12,15 @@ namespace kinloop {
 namespace {
 
 /// The pixels of a grid. In two images of different moments noise alone makes some of a few hundred differ.
+/// Those of depth are read by sampled_depth, too: that they are cached by then saves half of the time.
 template <class Pixel>
 std::vector<Pixel> grid_of(const cv::Mat& image) {
   constexpr int kColumns = 20;
   const int step = std::max(1, image.cols / kColumns);
   std::vector<Pixel> pixels;
-  for (int y = step / 2; y < image.rows; y += step) {
+  for (int y = step / 4; y < image.rows; y += step) {
     const auto* row = image.ptr<Pixel>(y);
-    for (int x = step / 2; x < image.cols; x += step) pixels.push_back(row[x]);
+    for (int x = step / 4; x < image.cols; x += step) pixels.push_back(row[x]);
   }
   return pixels;
 }

@@ -40,37 +40,53 @@ std::vector<ExpectedKeypoint> expect_at_rest(const TrackedFrame& tracked, const 
   return keypoints;
 }
 
-/// Returns how far from its expected pixel each keypoint is found in the earlier image, px; nullopt where
-/// optical flow (Lucas and Kanade, in pyramids: Bouguet 2001) does not lead back to where it came from.
-std::vector<std::optional<float>> displacements_px(const std::vector<ExpectedKeypoint>& keypoints,
-                                                   const cv::Mat& image, const cv::Mat& earlier_image) {
-  constexpr double kMaxReturn_px = 0.7;
-  constexpr int kMaxLevel = 2;
-  const cv::Size window(15, 15);
-  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.03);
-  if (keypoints.empty()) return {};
-  std::vector<cv::Point2f> raw, found;
-  for (const ExpectedKeypoint& keypoint : keypoints) {
-    raw.push_back(keypoint.raw);
-    found.push_back(keypoint.expected);
+/// Optical flow between two images (Lucas and Kanade, in pyramids: Bouguet 2001).
+class OpticalFlow {
+ public:
+  OpticalFlow(const cv::Mat& image, const cv::Mat& earlier_image) {
+    cv::buildOpticalFlowPyramid(image, pyramid_, kWindow, kMaxLevel);
+    cv::buildOpticalFlowPyramid(earlier_image, earlier_pyramid_, kWindow, kMaxLevel);
   }
-  std::vector<cv::Point2f> back = raw;
-  std::vector<uint8_t> is_found, is_back;
-  std::vector<float> residuals;
-  const auto follow = [&](const cv::Mat& from, const cv::Mat& to, const std::vector<cv::Point2f>& points,
-                          std::vector<cv::Point2f>& guess, std::vector<uint8_t>& status) {
-    cv::calcOpticalFlowPyrLK(from, to, points, guess, status, residuals, window, kMaxLevel, criteria,
+
+  /// Returns how far from its expected pixel each keypoint is found in the earlier image, px; nullopt where
+  /// the flow does not lead back to where it came from.
+  [[nodiscard]] std::vector<std::optional<float>> displacements_px(
+      const std::vector<ExpectedKeypoint>& keypoints) const {
+    constexpr double kMaxReturn_px = 0.7;
+    std::vector<cv::Point2f> raw, found;
+    for (const ExpectedKeypoint& keypoint : keypoints) {
+      raw.push_back(keypoint.raw);
+      found.push_back(keypoint.expected);
+    }
+    std::vector<cv::Point2f> back = raw;
+    const std::vector<uint8_t> is_found = follow(pyramid_, earlier_pyramid_, raw, found);
+    const std::vector<uint8_t> is_back = follow(earlier_pyramid_, pyramid_, found, back);
+    std::vector<std::optional<float>> displacements(keypoints.size());
+    for (size_t i = 0; i < keypoints.size(); ++i) {
+      if (is_found[i] != 0 && is_back[i] != 0 && cv::norm(back[i] - raw[i]) <= kMaxReturn_px)
+        displacements[i] = static_cast<float>(cv::norm(found[i] - keypoints[i].expected));
+    }
+    return displacements;
+  }
+
+ private:
+  using Pyramid = std::vector<cv::Mat>;
+  static constexpr int kMaxLevel = 2;
+  inline static const cv::Size kWindow{15, 15};
+
+  static std::vector<uint8_t> follow(const Pyramid& from, const Pyramid& to,
+                                     const std::vector<cv::Point2f>& points,
+                                     std::vector<cv::Point2f>& guess) {
+    const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.03);
+    std::vector<uint8_t> is_found;
+    if (points.empty()) return is_found;
+    cv::calcOpticalFlowPyrLK(from, to, points, guess, is_found, cv::noArray(), kWindow, kMaxLevel, criteria,
                              cv::OPTFLOW_USE_INITIAL_FLOW);
-  };
-  follow(image, earlier_image, raw, found, is_found);
-  follow(earlier_image, image, found, back, is_back);
-  std::vector<std::optional<float>> displacements(keypoints.size());
-  for (size_t i = 0; i < keypoints.size(); ++i) {
-    if (is_found[i] != 0 && is_back[i] != 0 && cv::norm(back[i] - raw[i]) <= kMaxReturn_px)
-      displacements[i] = static_cast<float>(cv::norm(found[i] - keypoints[i].expected));
+    return is_found;
   }
-  return displacements;
-}
+
+  Pyramid pyramid_, earlier_pyramid_;
+};
 
 /// Counts keypoints around each point of a surface grid.
 class GridCounts {
@@ -97,15 +113,23 @@ class GridCounts {
   cv::Mat counts_;
 };
 
-/// Returns by how much a keypoint at rest may be displaced, px, given those of landmarks: blur, a rolling
+/// Returns by how much a keypoint at rest may be displaced, px, given some of the landmarks: blur, a rolling
 /// shutter and depth that is not registered well displace them all. nullopt if there are too few.
-std::optional<float> max_displacement_at_rest_px(std::vector<float> of_landmarks) {
+std::optional<float> max_displacement_at_rest_px(const std::vector<ExpectedKeypoint>& landmarks,
+                                                 const OpticalFlow& flow) {
   // Learned on simulated rooms with seeds from 101 on and on redkitchen, where 3.8 % of the keypoints are
   // beyond; around few points these are most.
-  constexpr size_t kMinLandmarks = 20;
+  constexpr size_t kMinLandmarks = 20, kMaxLandmarks = 100;
   constexpr float kMin_px = 2, kMedians = 5;
-  if (of_landmarks.size() < kMinLandmarks) return std::nullopt;
-  return std::max(kMin_px, kMedians * median(std::move(of_landmarks)));
+  const size_t step = 1 + landmarks.size() / kMaxLandmarks;
+  std::vector<ExpectedKeypoint> sample;
+  for (size_t i = 0; i < landmarks.size(); i += step) sample.push_back(landmarks[i]);
+  std::vector<float> displacements;
+  for (const auto displacement : flow.displacements_px(sample)) {
+    if (displacement) displacements.push_back(*displacement);
+  }
+  if (displacements.size() < kMinLandmarks) return std::nullopt;
+  return std::max(kMin_px, kMedians * median(std::move(displacements)));
 }
 
 }  // namespace
@@ -114,23 +138,20 @@ cv::Mat moving_points(const TrackedFrame& tracked, const TrackedFrame& earlier, 
                       const Sensor& sensor) {
   constexpr float kMinMoving = 3;  // keypoints within 9 x 9 points
   if (!tracked.frame->surfaces || tracked.frame->gray.empty() || earlier.frame->gray.empty()) return {};
-  const auto keypoints = expect_at_rest(tracked, earlier, T_earlier_tracked, sensor);
-  const auto displacements = displacements_px(keypoints, tracked.frame->gray, earlier.frame->gray);
   const std::vector<LandmarkId> landmark_of = landmark_of_keypoint(tracked);
-  std::vector<float> of_landmarks;
-  for (size_t i = 0; i < keypoints.size(); ++i) {
-    if (displacements[i] && landmark_of[keypoints[i].feature].valid())
-      of_landmarks.push_back(*displacements[i]);
-  }
-  const auto max_at_rest_px = max_displacement_at_rest_px(std::move(of_landmarks));
+  std::vector<ExpectedKeypoint> landmarks, others;
+  for (const ExpectedKeypoint& keypoint : expect_at_rest(tracked, earlier, T_earlier_tracked, sensor))
+    (landmark_of[keypoint.feature].valid() ? landmarks : others).push_back(keypoint);
+  const OpticalFlow flow(tracked.frame->gray, earlier.frame->gray);
+  const auto max_at_rest_px = max_displacement_at_rest_px(landmarks, flow);
   if (!max_at_rest_px) return {};
 
   const Features& features = tracked.features();
   GridCounts moving(*tracked.frame->surfaces->camera), at_rest(*tracked.frame->surfaces->camera);
-  for (size_t i = 0; i < keypoints.size(); ++i) {
-    const uint32_t feature = keypoints[i].feature;
-    if (!displacements[i] || landmark_of[feature].valid()) continue;
-    (*displacements[i] > *max_at_rest_px ? moving : at_rest).add(features.measured_pixels[feature]);
+  const auto displacements = flow.displacements_px(others);
+  for (size_t i = 0; i < others.size(); ++i) {
+    if (!displacements[i]) continue;
+    (*displacements[i] > *max_at_rest_px ? moving : at_rest).add(features.measured_pixels[others[i].feature]);
   }
   for (const LandmarkMatch& match : tracked.matches) at_rest.add(features.measured_pixels[match.feature]);
   const cv::Mat around = moving.around();
