@@ -52,6 +52,7 @@ struct BackEndOptions {
   LoopOptions loop;
   BundleOptions global_ba;
   bool global_ba_enabled = true;
+  int global_ba_max_keyframes = 400;  ///< during the run
   SelfCalibrationOptions self_calibration;
 };
 

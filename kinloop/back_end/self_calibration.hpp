@@ -14,6 +14,7 @@ namespace kinloop {
 struct SelfCalibrationOptions {
   bool enabled = true;
   int min_keyframes = 6;
+  int max_keyframes = 200;
   int passes = 3;
   double focal_sigma = 0.003;
   double center_sigma_px = 5;
@@ -30,6 +31,9 @@ struct SelfCalibrationOptions {
           "keyframes after which readout time and depth delay are first estimated, and again at every "
           "doubling",
           Range{2, 100000});
+    visit("max_keyframes", self.max_keyframes,
+          "largest map in which they are estimated during the run: its copy delays a frame", Range{0, 1e6},
+          Expert{});
     visit("passes", self.passes, "alternating passes over sensor, map and frame poses at the end",
           Range{1, 10}, Expert{});
     visit("focal_sigma", self.focal_sigma, "prior on the focal length (1 sigma), relative", Range{0, 1},

@@ -303,15 +303,21 @@ Eigen::Vector3d Map::p_world(LandmarkId id) const {
 }
 
 std::vector<std::pair<KeyframeId, int>> Map::covisible_keyframes(KeyframeId id, int min_shared) const {
-  std::vector<int> shared(keyframes_.size(), 0);
+  // Of a large map, only a part is counted: from the first to the last keyframe that shares a landmark.
+  std::vector<uint32_t> observers;
   for (const LandmarkId seen : keyframe(id).landmark_of) {
     if (!seen.valid()) continue;
-    for (const auto& observation : landmark(seen).observations) ++shared[observation.keyframe.value];
+    for (const auto& observation : landmark(seen).observations)
+      observers.push_back(observation.keyframe.value);
   }
-  shared[id.value] = 0;
   std::vector<std::pair<KeyframeId, int>> neighbours;
+  if (observers.empty()) return neighbours;
+  const auto [first, last] = std::minmax_element(observers.begin(), observers.end());
+  std::vector<int> shared(*last - *first + 1, 0);
+  for (const uint32_t observer : observers) ++shared[observer - *first];
+  shared[id.value - *first] = 0;
   for (uint32_t i = 0; i < shared.size(); ++i) {
-    if (shared[i] >= std::max(min_shared, 1)) neighbours.emplace_back(KeyframeId{i}, shared[i]);
+    if (shared[i] >= std::max(min_shared, 1)) neighbours.emplace_back(KeyframeId{*first + i}, shared[i]);
   }
   std::stable_sort(neighbours.begin(), neighbours.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });

@@ -26,8 +26,15 @@ PlaceOptions place_options(const SlamOptions& o) {
 }
 
 BackEndOptions back_end_options(const SlamOptions& o) {
-  return {o.executor, o.tracking,  o.local_map,         o.mapping,
-          o.loop,     o.global_ba, o.global_ba_enabled, o.self_calibration};
+  return {o.executor,
+          o.tracking,
+          o.local_map,
+          o.mapping,
+          o.loop,
+          o.global_ba,
+          o.global_ba_enabled,
+          o.global_ba_max_keyframes,
+          o.self_calibration};
 }
 
 }  // namespace kinloop

@@ -16,6 +16,7 @@ struct SlamOptions {
   int min_initial_keypoints = 60;
   int lost_frames_before_new_component = 5;
   bool global_ba_enabled = true;
+  int global_ba_max_keyframes = 400;
   bool localize_only = false;
   int keyframe_memory_mib = 1024;
   NoiseOptions noise;
@@ -39,6 +40,9 @@ struct SlamOptions {
           Range{0, 100000});
     visit("global_ba_enabled", self.global_ba_enabled,
           "run global bundle adjustment after loop closures and at the end");
+    visit("global_ba_max_keyframes", self.global_ba_max_keyframes,
+          "largest map for which it runs after loop closures: its copy delays a frame", Range{0, 1e6},
+          Expert{});
     visit("localize_only", self.localize_only, "localise in a loaded map without changing it", Expert{});
     visit(
         "keyframe_memory_mib", self.keyframe_memory_mib,

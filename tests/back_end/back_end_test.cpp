@@ -190,6 +190,30 @@ TEST_F(BackEndTest, JobsThatMoveTheWholeMapWaitForEachOther) {
                                 "loop correction", "global bundle adjustment"));
 }
 
+/// Their copies would delay the frame at which they start.
+TEST_F(BackEndTest, ALargeMapIsNotAdjustedAsAWholeDuringTheRun) {
+  const auto jobs_in_a_map_of_at_most = [&](int keyframes) {
+    BackEndOptions options = ring_options();
+    options.global_ba_max_keyframes = options.self_calibration.max_keyframes = keyframes;
+    test::SyntheticMap built = built_;
+    BackEnd back_end(built.map, nominal_estimate(sensor_), options);
+    back_end.add(revisit());
+    std::vector<std::string> done;
+    for (uint32_t now = 0; now < 8; ++now) {
+      for (const std::string& kind : jobs(back_end.apply_due(FrameId{now}))) done.push_back(kind);
+      back_end.submit(FrameId{now}, {built.map, log_, sensor_, now == 0 ? last_ : KeyframeId{}});
+    }
+    return done;
+  };
+  const std::vector<std::string> all = jobs_in_a_map_of_at_most(kRingKeyframes),
+                                 without = jobs_in_a_map_of_at_most(kRingKeyframes - 1);
+  for (const char* of_the_whole_map : {"global bundle adjustment", "self-calibration"}) {
+    EXPECT_THAT(all, Contains(of_the_whole_map));
+    EXPECT_THAT(without, Not(Contains(of_the_whole_map)));
+  }
+  EXPECT_THAT(without, Contains("loop correction"));
+}
+
 TEST_F(BackEndTest, ApplyRemainingRepeatsAStaleLoopCorrection) {
   const double before_m = drift_m();
   see_the_start_again();

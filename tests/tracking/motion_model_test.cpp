@@ -48,15 +48,20 @@ TEST(MotionModel, ChangesTheVelocityNoFasterThanAHand) {
   constexpr int kRate_hz = 30;
   constexpr int64_t kInterval_ns = kNsPerSecond / kRate_hz;
   constexpr double kMaxChange_m_s = 0.02 * kRate_hz + 10.0 / kRate_hz;
-  const auto velocity_of = [](const MotionModel& model, double x_m_s) {
+  constexpr double kMaxChange_rad_s = 0.02 * kRate_hz + 30.0 / kRate_hz;
+  const auto speed_m_s = [](const MotionModel& model, double x_m_s) {
     return model.velocity_of(motion_of(x_m_s / kRate_hz), kInterval_ns).linear_m_s.x();
   };
   MotionModel model;
-  EXPECT_NEAR(velocity_of(model, 5), 5, 1e-6) << "nothing to compare it with";
-  model.update({{kSpeed_m_s, 0, 0}, {}}, kInterval_ns);
-  EXPECT_NEAR(velocity_of(model, kSpeed_m_s + 0.7), kSpeed_m_s + 0.7, 1e-6);
-  EXPECT_NEAR(velocity_of(model, 5), kSpeed_m_s + kMaxChange_m_s, 1e-3);
-  EXPECT_NEAR(velocity_of(model, -5), kSpeed_m_s - kMaxChange_m_s, 1e-3);
+  EXPECT_NEAR(speed_m_s(model, 5), 5, 1e-6) << "nothing to compare it with";
+  Velocity before;
+  before.linear_m_s.x() = kSpeed_m_s;
+  model.update(before, kInterval_ns);
+  EXPECT_NEAR(speed_m_s(model, kSpeed_m_s + 0.7), kSpeed_m_s + 0.7, 1e-6);
+  EXPECT_NEAR(speed_m_s(model, 5), kSpeed_m_s + kMaxChange_m_s, 1e-6);
+  EXPECT_NEAR(speed_m_s(model, -5), kSpeed_m_s - kMaxChange_m_s, 1e-6);
+  const SE3 turned = SE3::exp((Vector6d() << 0, 0, 0, 0, 5.0 / kRate_hz, 0).finished());
+  EXPECT_NEAR(model.velocity_of(turned, kInterval_ns).angular_rad_s.y(), kMaxChange_rad_s, 1e-6);
 }
 
 }  // namespace

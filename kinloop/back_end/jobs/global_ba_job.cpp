@@ -3,7 +3,8 @@
 namespace kinloop {
 
 bool GlobalBaJob::is_due(const JobContext& context) const {
-  return requested_ && enabled_ && context.map.keyframes().size() >= min_keyframes_;
+  const size_t keyframes = context.map.keyframes().size();
+  return requested_ && enabled_ && keyframes >= min_keyframes_ && keyframes <= max_keyframes_;
 }
 
 GlobalBaJob::Problem GlobalBaJob::make_problem(const JobContext& context) {

@@ -1,5 +1,6 @@
 #pragma once
-// Bundle adjustment of the whole map after loops were corrected.
+// Bundle adjustment of the whole map after loops were corrected. Not of a large map, since copying it would
+// delay the frame at which the job starts; the final adjustment follows anyway.
 
 #include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
@@ -19,6 +20,7 @@ class GlobalBaJob {
   explicit GlobalBaJob(const BackEndOptions& options)
       : options_(options.global_ba),
         enabled_(options.global_ba_enabled),
+        max_keyframes_(static_cast<size_t>(options.global_ba_max_keyframes)),
         lag_frames_(options.executor.global_ba_lag_frames) {}
 
   /// Requests a job. Called after a loop was corrected.
@@ -34,6 +36,7 @@ class GlobalBaJob {
  private:
   BundleOptions options_;
   bool enabled_;
+  size_t max_keyframes_;
   int lag_frames_;
   bool requested_ = false;
   size_t min_keyframes_ = 0;  // map size required for the next job

@@ -5,7 +5,9 @@
 namespace kinloop {
 
 bool SelfCalibrationJob::is_due(const JobContext& context) const {
-  return enabled_ && context.new_keyframe.valid() && context.map.keyframes().size() >= min_keyframes_;
+  const size_t keyframes = context.map.keyframes().size();
+  return enabled_ && context.new_keyframe.valid() && keyframes >= min_keyframes_ &&
+         keyframes <= max_keyframes_;
 }
 
 SelfCalibrationJob::Problem SelfCalibrationJob::make_problem(const JobContext& context) const {

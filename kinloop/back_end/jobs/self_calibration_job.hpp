@@ -1,5 +1,6 @@
 #pragma once
-// Self-calibration of the sensor times during the run, with the map adjusted to them.
+// Self-calibration of the sensor times during the run, with the map adjusted to them. Not in a large map: the
+// times are known by then, and copying it would delay the frame at which the job starts.
 
 #include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
@@ -23,7 +24,8 @@ class SelfCalibrationJob {
         prior_(time_prior(nominal, options.self_calibration)),
         options_(options.global_ba),
         lag_frames_(options.executor.global_ba_lag_frames),
-        min_keyframes_(static_cast<size_t>(options.self_calibration.min_keyframes)) {}
+        min_keyframes_(static_cast<size_t>(options.self_calibration.min_keyframes)),
+        max_keyframes_(static_cast<size_t>(options.self_calibration.max_keyframes)) {}
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
@@ -38,6 +40,7 @@ class SelfCalibrationJob {
   BundleOptions options_;
   int lag_frames_;
   size_t min_keyframes_;  // map size required for the next job
+  size_t max_keyframes_;
 };
 
 }  // namespace kinloop
