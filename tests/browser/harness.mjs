@@ -39,6 +39,7 @@ export async function withBrowser(test) {
   /** Opens a page and fails on console errors. */
   const open = async (url, options = {}) => {
     const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
+    page.setDefaultTimeout(PATIENCE_MS); // the machine may be busy
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && complaints.push(message.text()));
     page.on('pageerror', (error) => complaints.push(error.message));
     await page.goto(url);
