@@ -104,7 +104,7 @@ class RoomCells {
   }
 
   void label(const cv::Mat& free_space, const PlanGrid& grid) {
-    constexpr double kUnseen = 0.4;  // weight of area that was not seen free
+    constexpr double kNotSeen = 0.4;  // weight of area that was not seen free
     constexpr double kNever = 1e9;
     cv::detail::GCGraph<double> graph(static_cast<unsigned>(cells_.size()),
                                       static_cast<unsigned>(8 * cells_.size()));
@@ -113,7 +113,7 @@ class RoomCells {
       const bool at_border =
           std::any_of(cell.sides.begin(), cell.sides.end(), [](const CellSide& s) { return !s.line; });
       graph.addTermWeights(graph.addVtx(), evidence.free_m2,
-                           at_border ? kNever : kUnseen * evidence.other_m2);
+                           at_border ? kNever : kNotSeen * evidence.other_m2);
     }
     for (size_t c = 0; c < cells_.size(); ++c) {
       for (size_t i = 0; i < cells_[c].sides.size(); ++i) {
