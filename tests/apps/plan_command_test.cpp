@@ -1,5 +1,8 @@
 // kinloop plan: what it refuses. What it draws is tested in tests/floor_plan.
 
+#include <algorithm>
+#include <filesystem>
+
 #include <gmock/gmock.h>
 
 #include "tests/apps/program_test.hpp"

@@ -15,7 +15,7 @@ Drawing small_drawing() {
   drawing.size_mm = {50.8, 25.4};
   drawing.title = "a (b)";
   drawing.area({{0, 0}, {25.4, 0}, {25.4, 25.4}, {0, 25.4}}, {200, 100, 50});
-  drawing.line({{30, 5}, {45, 5}}, {0, 0, 0}, 1, 2);
+  drawing.line({{30, 5}, {45, 5}}, {0, 0, 0}, 0.25, 2);
   drawing.text({38, 20}, "9.50 m²", 4);
   return drawing;
 }
@@ -53,8 +53,8 @@ TEST(Drawing, PngHasTheColoursWhereTheyBelong) {
   ASSERT_EQ(image.size(), cv::Size(200, 100));
   EXPECT_EQ(image.at<cv::Vec3b>(50, 50), cv::Vec3b(50, 100, 200));
   EXPECT_EQ(image.at<cv::Vec3b>(10, 110), cv::Vec3b(255, 255, 255));
-  EXPECT_LT(image.at<cv::Vec3b>(19, 120)[0], 30) << "a dash";
-  EXPECT_GT(image.at<cv::Vec3b>(19, 128)[0], 200) << "a gap";
+  EXPECT_LT(image.at<cv::Vec3b>(19, 122)[0], 100) << "a dash";
+  EXPECT_GT(image.at<cv::Vec3b>(19, 130)[0], 200) << "a gap";
 }
 
 TEST(Drawing, Latin1KeepsItsLettersAndReplacesOthers) {

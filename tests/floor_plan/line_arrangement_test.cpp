@@ -46,7 +46,7 @@ TEST(LineArrangement, EverySideOnALineHasACellBeyondThatSharesIt) {
                                        {{1, 0}, 6},
                                        {{0, 1}, 2}};
   const auto cells = arrange(lines, box);
-  EXPECT_EQ(cells.size(), 15U);
+  EXPECT_EQ(cells.size(), 13U);
   for (size_t c = 0; c < cells.size(); ++c) {
     for (size_t i = 0; i < cells[c].sides.size(); ++i) {
       const CellSide& side = cells[c].sides[i];

@@ -12,9 +12,8 @@
 namespace kinloop {
 namespace {
 
-constexpr DrawingColor kInk{38, 42, 48}, kUnseen{176, 180, 186}, kFloor{247, 244, 236},
-    kObject{221, 219, 212}, kObjectEdge{170, 167, 158}, kPaper{255, 255, 255}, kMeasure{96, 102, 110},
-    kDoor{178, 120, 60};
+constexpr DrawingColor kInk{38, 42, 48}, kPale{176, 180, 186}, kFloor{247, 244, 236}, kObject{221, 219, 212},
+    kObjectEdge{170, 167, 158}, kPaper{255, 255, 255}, kMeasure{96, 102, 110}, kDoor{178, 120, 60};
 constexpr double kWallThickness_m = 0.12;
 
 /// Returns the angle by which to turn the plan so that its longest wall is parallel to an edge of the sheet.
@@ -145,7 +144,7 @@ class PlanDrawing {
         const PlanWall &before = room.walls[begin + (i + n - 1) % n], &wall = room.walls[begin + i],
                        &after = room.walls[begin + (i + 1) % n];
         area({wall.from_m, wall.to_m, outer_corner(wall, after), outer_corner(before, wall)},
-             wall.observed < kObserved ? kUnseen : kInk);
+             wall.observed < kObserved ? kPale : kInk);
       }
     }
   }
@@ -272,7 +271,7 @@ class PlanDrawing {
     for (int i = 0; i < 4; ++i) {
       const double step = at_.mm(at_.scale > 100 ? 5 : 1) / 2, x = kEdge_mm + i * step;
       drawing_.area({{x, y - kBar_mm}, {x + step, y - kBar_mm}, {x + step, y}, {x, y}},
-                    i % 2 == 0 ? kInk : kUnseen);
+                    i % 2 == 0 ? kInk : kPale);
     }
     const double bar_m = at_.scale > 100 ? 10 : 2;
     drawing_.text({kEdge_mm + at_.mm(bar_m) / 2, y + 1.4 * kText_mm},

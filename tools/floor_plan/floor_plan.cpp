@@ -150,26 +150,29 @@ cv::Mat interior(std::span<const RoomShape> rooms, const PlanGrid& grid) {
 }
 
 /// Returns outlines of what stands in the rooms.
-std::vector<PlanPolygon> objects_in(const ColoredCloud& cloud, const Eigen::Quaterniond& R_plan_world,
-                                    double floor_m, const cv::Mat& interior, const PlanGrid& grid) {
-  constexpr int kLeastPoints = 3;
+std::vector<PlanPolygon> objects_in(const FloorPlanInput& input, double floor_m, const cv::Mat& interior,
+                                    const PlanGrid& grid) {
+  constexpr double kLeastHeight_m = 0.03;  // of a column of points
   constexpr double kSmooth_cells = 1.2, kLeastArea_m2 = 0.03;
+  const double least_points = std::max(1.0, std::round(kLeastHeight_m / input.voxel_m));
   cv::Mat counts = cv::Mat::zeros(grid.size, CV_8UC1);
-  for (const Eigen::Vector3f& point : cloud.points) {
-    const Eigen::Vector3d p = R_plan_world * point.cast<double>();
+  for (const Eigen::Vector3f& point : input.cloud.points) {
+    const Eigen::Vector3d p = input.R_file_world * point.cast<double>();
     const cv::Point cell = grid.cell(p.head<2>());
     if (!kObjects.contains(p.z() - floor_m) || !grid.contains(cell)) continue;
     auto& count = counts.at<uint8_t>(cell);
     count = static_cast<uint8_t>(std::min(count + 1, 255));
   }
-  cv::Mat taken = (counts >= kLeastPoints) & interior;
+  cv::Mat taken = (counts >= least_points) & interior;
   const cv::Mat disk = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
   cv::morphologyEx(taken, taken, cv::MORPH_CLOSE, disk);
   std::vector<std::vector<cv::Point>> contours;
   cv::findContours(taken, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
   std::vector<PlanPolygon> objects;
   for (const auto& contour : contours) {
-    if (cv::contourArea(contour) * grid.cell_m * grid.cell_m < kLeastArea_m2) continue;
+    // The contour runs through the middles of the outermost cells.
+    const double cells = cv::contourArea(contour) + cv::arcLength(contour, true) / 2 + 1;
+    if (cells * grid.cell_m * grid.cell_m < kLeastArea_m2) continue;
     std::vector<cv::Point> corners;
     cv::approxPolyDP(contour, corners, kSmooth_cells, true);
     PlanPolygon polygon;
@@ -205,7 +208,7 @@ FloorPlan make_floor_plan(const FloorPlanInput& input, const Progress& progress)
   plan.ceiling_m = height_m;
   for (const RoomShape& shape : shapes) plan.rooms.push_back(room_of(shape));
   find_openings(plan.rooms, {free_space[1], free_space[2], grid});
-  plan.objects = objects_in(input.cloud, input.R_file_world, levels.floor_m, interior(shapes, grid), grid);
+  plan.objects = objects_in(input, levels.floor_m, interior(shapes, grid), grid);
   return plan;
 }
 

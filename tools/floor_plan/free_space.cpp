@@ -12,7 +12,7 @@
 namespace kinloop {
 namespace {
 
-constexpr int kStride_px = 6;
+constexpr int kRaysPerRow = 160;
 /// The end of a ray that may lie within the surface by noise: a length, and a share of the depth.
 constexpr double kEnd_m = 0.06, kEndShare = 0.03;
 
@@ -48,9 +48,10 @@ std::vector<Segment> rays_of(const PlanViews& input, const PosedImage& view, con
   const cv::Mat depth_m = input.images.load(view.image).depth_m;
   const cv::Mat usable = usable_pixels(depth_m, table.focal_px, input.limits);
   const SE3 T_plan_camera = input.T_plan_world * view.T_world_camera;
+  const int stride = std::max(1, depth_m.cols / kRaysPerRow);
   std::vector<Segment> rays;
-  for (int row = 0; row < depth_m.rows; row += kStride_px) {
-    for (int col = 0; col < depth_m.cols; col += kStride_px) {
+  for (int row = 0; row < depth_m.rows; row += stride) {
+    for (int col = 0; col < depth_m.cols; col += stride) {
       if (usable.at<uint8_t>(row, col) == 0) continue;
       const double z = depth_m.at<float>(row, col) * (1 - kEndShare) - kEnd_m;
       if (z <= 0) continue;

@@ -30,13 +30,13 @@ class WallProfile {
     steps_ = static_cast<size_t>(wall.length_m() / kStep_m);
   }
 
-  /// Returns at which positions the space behind the wall was seen free.
+  /// Returns at which positions the space in and behind the wall was seen free.
   [[nodiscard]] std::vector<bool> seen_through(const cv::Mat& free_space) const {
-    constexpr double kNear_m = 0.15, kFar_m = 0.3;
+    constexpr double kFar_m = 0.3;
     std::vector<bool> seen(steps_, false);
     for (size_t i = 0; i < steps_; ++i) {
       bool all = true;
-      for (double depth_m = kNear_m; depth_m <= kFar_m; depth_m += kStep_m) {
+      for (double depth_m = 0; depth_m <= kFar_m; depth_m += kStep_m) {
         const cv::Point cell = evidence_.grid.cell(at(i) + depth_m * outwards());
         all = all && evidence_.grid.contains(cell) && free_space.at<uint8_t>(cell) != 0;
       }
