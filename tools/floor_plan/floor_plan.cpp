@@ -195,7 +195,7 @@ FloorPlan make_floor_plan(const FloorPlanInput& input, const Progress& progress)
       upright_points(input.cloud, input.R_file_world, levels.floor_m, {kLowestOfWalls_m, high_m});
   if (points.empty()) throw InputError("the map shows no walls");
   const PlanGrid grid = grid_around(points);
-  const SE3 T_plan_world(input.R_file_world, {0, 0, -levels.floor_m});
+  const SE3 T_plan_world{input.R_file_world, {0, 0, -levels.floor_m}};
   const std::array<HeightRange, 3> ranges{{{kLowestOfWalls_m, high_m}, kLowSight, kHighSight}};
   const auto free_space = observed_free_space(
       {input.images, input.views, input.camera, T_plan_world, input.limits}, grid, ranges, progress);

@@ -80,7 +80,7 @@ double main_direction_rad(std::span<const UprightPoint> points) {
 }
 
 /// Fits a line to the points near `start` by total least squares with Tukey's weights.
-PlanLine fit(std::span<const UprightPoint> points, PlanLine start) {
+PlanLine fit(std::span<const UprightPoint> points, const PlanLine& start) {
   constexpr double kReach_m = 0.05, kLargestTurn = 0.94;  // cosine of 20 degrees
   constexpr int kIterations = 6;
   PlanLine line = start;
