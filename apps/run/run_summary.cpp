@@ -152,6 +152,15 @@ json timings_json(const Timings& times) {
   return timings;
 }
 
+void add_latencies(json& summary, const RunOutcome& o) {
+  if (!o.latencies_ms.empty()) summary["latency_ms"] = latency_json(o.latencies_ms);
+  // Some cameras stamp images by another clock than the time of day.
+  constexpr double kMaxAge_ms = 60e3;
+  const auto [least, most] = std::minmax_element(o.ages_ms.begin(), o.ages_ms.end());
+  if (o.plan.source->info().live && !o.ages_ms.empty() && *least > 0 && *most < kMaxAge_ms)
+    summary["latency_from_stamp_ms"] = latency_json(o.ages_ms);
+}
+
 }  // namespace
 
 void add_timings(json& summary, const Timings& slam, const Timings& program) {
@@ -197,12 +206,7 @@ json run_summary(const RunOutcome& o) {
   summary["threads"] = o.plan.threads;
   summary["frame_ms"] = {{"median", quantile(o.slam.timings().frame_ms, 0.5)},
                          {"p95", quantile(o.slam.timings().frame_ms, 0.95)}};
-  if (!o.latencies_ms.empty()) summary["latency_ms"] = latency_json(o.latencies_ms);
-  // Some cameras stamp images by another clock than the time of day.
-  constexpr double kMaxAge_ms = 60e3;
-  const auto [least, most] = std::minmax_element(o.ages_ms.begin(), o.ages_ms.end());
-  if (source.info().live && !o.ages_ms.empty() && *least > 0 && *most < kMaxAge_ms)
-    summary["latency_from_stamp_ms"] = latency_json(o.ages_ms);
+  add_latencies(summary, o);
   summary["peak_memory_mib"] = peak_memory_mib();
   if (o.map_points) summary["map"] = {{"points", *o.map_points}, {"voxel_m", o.plan.options.dense.voxel_m}};
   const auto poses = poses_with_covariance(o.slam, component);
