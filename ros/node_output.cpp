@@ -23,6 +23,7 @@ using TFMessage = tf2_msgs::TFMessage_<Allocator<void>>;
 using Path = nav_msgs::Path_<Allocator<void>>;
 using PointCloud2 = sensor_msgs::PointCloud2_<Allocator<void>>;
 using PointField = sensor_msgs::PointField_<Allocator<void>>;
+using Quaternion = geometry_msgs::Quaternion_<Allocator<void>>;
 using Bool = std_msgs::Bool_<Allocator<void>>;
 using Header = std_msgs::Header_<Allocator<void>>;
 
@@ -33,16 +34,22 @@ Header header_of(int64_t stamp_ns, const std::string& frame) {
   return header;
 }
 
+Quaternion quaternion_of(const Eigen::Quaterniond& rotation) {
+  Quaternion quaternion;
+  quaternion.x = rotation.x();
+  quaternion.y = rotation.y();
+  quaternion.z = rotation.z();
+  quaternion.w = rotation.w();
+  return quaternion;
+}
+
 PoseStamped pose_of(int64_t stamp_ns, const SE3& T, const std::string& frame) {
   PoseStamped pose;
   pose.header = header_of(stamp_ns, frame);
   pose.pose.position.x = T.translation.x();
   pose.pose.position.y = T.translation.y();
   pose.pose.position.z = T.translation.z();
-  pose.pose.orientation.x = T.rotation.x();
-  pose.pose.orientation.y = T.rotation.y();
-  pose.pose.orientation.z = T.rotation.z();
-  pose.pose.orientation.w = T.rotation.w();
+  pose.pose.orientation = quaternion_of(T.rotation);
   return pose;
 }
 
@@ -53,10 +60,7 @@ TransformStamped transform_of(const Header& parent, const std::string& child, co
   transform.transform.translation.x = T_parent_child.translation.x();
   transform.transform.translation.y = T_parent_child.translation.y();
   transform.transform.translation.z = T_parent_child.translation.z();
-  transform.transform.rotation.x = T_parent_child.rotation.x();
-  transform.transform.rotation.y = T_parent_child.rotation.y();
-  transform.transform.rotation.z = T_parent_child.rotation.z();
-  transform.transform.rotation.w = T_parent_child.rotation.w();
+  transform.transform.rotation = quaternion_of(T_parent_child.rotation);
   return transform;
 }
 

@@ -20,6 +20,7 @@
 #include "drivers/ros/bag_source.hpp"
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/options.hpp"
 #include "session/named_sensor_source.hpp"
 #include "session/shifted_depth_source.hpp"
 #include "session/thinned_source.hpp"
@@ -67,9 +68,7 @@ constexpr RecordingFormat kRecordingFormats[] = {
      }}};
 
 DepthSensorModel parse_sensor(const std::string& name) {
-  for (const auto& known : option_names(DepthSensorModel{})) {
-    if (known.name == name) return known.value;
-  }
+  if (const auto model = value_named<DepthSensorModel>(name)) return *model;
   throw UsageError(fmt::format("'{}' is no depth sensor; see docs/cameras.md", name));
 }
 

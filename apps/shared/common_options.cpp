@@ -64,16 +64,6 @@ void add_up_option(CLI::App& command, std::vector<std::string>& assignments) {
       ->option_text("X,Y,Z");
 }
 
-namespace {
-
-std::vector<std::string> sensor_names() {
-  std::vector<std::string> names;
-  for (const auto& sensor : option_names(DepthSensorModel{})) names.emplace_back(sensor.name);
-  return names;
-}
-
-}  // namespace
-
 void add_camera_options(CLI::App& command, CameraOptions& camera) {
   constexpr double kFewestUnits = 1, kMostUnits = 1e5;  // as in camera.yaml
   CLI::Option* file = command.add_option(
@@ -100,7 +90,7 @@ void add_camera_options(CLI::App& command, CameraOptions& camera) {
           "the depth sensor, whose noise and range are used (default: that of the camera file or the\n"
           "recording, else kinect1)")
       ->option_text("NAME")
-      ->check(one_of(sensor_names()));
+      ->check(one_of(names_of<DepthSensorModel>()));
 }
 
 CLI::Validator whole_number(int low, int high) {

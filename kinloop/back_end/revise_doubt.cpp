@@ -148,12 +148,11 @@ void doubt_surroundings(FrameLog& log, size_t first, const Map& map) {
   // Learned on disturbed runs in the rooms with people of seeds 101 to 104.
   constexpr int64_t kMinLasting_ns = kNsPerSecond / 2, kMaxInterval_ns = kNsPerSecond / 2;
   constexpr int64_t kReach_ns = kNsPerSecond / 2, kMinTrusted_ns = 3 * kNsPerSecond;
-  const std::vector<size_t> unsure = lasting_doubt(log, first);
   for (const auto& [component, whole] : stretches_of_components(log, first, map)) {
     std::vector<Stretch> doubt;
-    for (const size_t i : unsure) {
-      const bool inside = i >= whole.begin && i < whole.end;
-      if (inside && (log[i].is_lost() || is_tracked_in(component, log[i], map))) doubt.push_back({i, i + 1});
+    for (size_t i = whole.begin; i < whole.end; ++i) {
+      if (log[i].is_lost() || (log[i].doubtful && is_tracked_in(component, log[i], map)))
+        doubt.push_back({i, i + 1});
     }
     doubt = joined(log, doubt, kMaxInterval_ns);
     std::erase_if(doubt, [&](const Stretch& stretch) {

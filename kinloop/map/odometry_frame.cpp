@@ -1,5 +1,7 @@
 #include "kinloop/map/odometry_frame.hpp"
 
+#include "kinloop/map/frame_log.hpp"
+
 namespace kinloop {
 
 void OdometryFrame::update(const TrackedFrame& tracked, const Map& map) {
@@ -9,10 +11,9 @@ void OdometryFrame::update(const TrackedFrame& tracked, const Map& map) {
     take_up_jump(T_world_latest);
   }
   if (tracked.is_lost()) return;
-  const Keyframe& reference = map.keyframe(tracked.reference);
-  const SE3 T_world_camera = reference.T_world_camera * tracked.T_reference_camera;
+  const SE3 T_world_camera = world_pose(tracked, map);
   const bool continues = latest_ && tracked.outcome == TrackingOutcome::kTracked &&
-                         reference.component == map.keyframe(latest_->reference).component;
+                         is_tracked_in(map.keyframe(latest_->reference).component, tracked, map);
   if (latest_ && !continues) take_up_jump(T_world_camera);
   latest_ = {tracked.reference, tracked.T_reference_camera, T_world_camera};
 }

@@ -16,6 +16,7 @@ constexpr double kMaxExtrapolation_s = 0.25;  // hand motion reverses within a f
 constexpr double kSmoothing = 0.9;  // weight of the previous acceleration noise against that of the new frame
 constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of unknown motion
 constexpr double kDefaultTurnRate_rad_s = 1.0;
+constexpr double kMaxAcceleration_m_s2 = 10;  // of a hand that holds a camera
 
 /// Returns `value`, no farther than `max_change` from `before`.
 Eigen::Vector3d limited(const Eigen::Vector3d& value, const Eigen::Vector3d& before, double max_change) {
@@ -25,7 +26,7 @@ Eigen::Vector3d limited(const Eigen::Vector3d& value, const Eigen::Vector3d& bef
 
 /// Returns the velocity after `before`, no farther from it than a hand accelerates a camera in `duration_s`.
 Velocity limited(const Velocity& velocity, const Velocity& before, double duration_s) {
-  constexpr double kTolerance_m = 0.02, kMaxAcceleration_m_s2 = 10;
+  constexpr double kTolerance_m = 0.02;
   constexpr double kTolerance_rad = 0.02, kMaxAcceleration_rad_s2 = 30;
   return {limited(velocity.linear_m_s, before.linear_m_s,
                   kTolerance_m / duration_s + kMaxAcceleration_m_s2 * duration_s),
@@ -37,7 +38,7 @@ Velocity limited(const Velocity& velocity, const Velocity& before, double durati
 
 bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s) {
   // One pose that is 5 cm off is 10 cm off the line of its neighbours.
-  constexpr double kTolerance_m = 0.1, kMaxAcceleration_m_s2 = 10;
+  constexpr double kTolerance_m = 0.1;
   return off_m > kTolerance_m + kMaxAcceleration_m_s2 * interval_s * std::max(interval_s, baseline_s);
 }
 

@@ -194,10 +194,8 @@ PinholeCamera read_depth_camera(const Block& block, const PinholeCamera& color) 
 }
 
 DepthSensor read_sensor(const Block& block) {
-  const auto names = names_of<DepthSensorModel>();
-  const auto at = std::find(names.begin(), names.end(), block.name("sensor", names)) - names.begin();
-  return depth_sensor(option_names(DepthSensorModel{})[static_cast<size_t>(at)].value,
-                      SensorOrigin::kCameraFile);
+  const std::string name = block.name("sensor", names_of<DepthSensorModel>());
+  return depth_sensor(value_named<DepthSensorModel>(name).value(), SensorOrigin::kCameraFile);
 }
 
 SE3 read_motion(const Block& block) {
@@ -243,9 +241,8 @@ RgbdCamera read_camera_text(const std::string& text, const std::filesystem::path
   camera.color = read_lens(block, block.size_px("width", "640"), block.size_px("height", "480"));
   camera.depth_scale = block.number_per_metre("depth_scale", "5000", {1, 1e5});
   camera.fps = block.number("fps", "30", {0.001, 1e4});
-  if (const double readout_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
-      block.has("rolling_shutter_s"))
-    camera.rolling_shutter_s = readout_s;
+  if (block.has("rolling_shutter_s"))
+    camera.rolling_shutter_s = block.number_or_zero("rolling_shutter_s", "seconds", {0, 1});
   camera.depth_delay_s = block.number_or_zero("depth_offset_s", "seconds", {-1, 1});
   camera.depth_shift_m = block.number_or_zero("depth_shift_m", "metres", {-1, 1});
   if (block.has("sensor")) camera.sensor = read_sensor(block);
