@@ -36,7 +36,7 @@ RgbdCamera typical_camera() {
 std::string serial_of_first(freenect_context* context) {
   freenect_device_attributes* devices = nullptr;
   if (freenect_list_device_attributes(context, &devices) < 1) return {};
-  const std::string serial = devices->camera_serial != nullptr ? devices->camera_serial : "";
+  std::string serial = devices->camera_serial != nullptr ? devices->camera_serial : "";
   freenect_free_device_attributes(devices);
   return serial;
 }
