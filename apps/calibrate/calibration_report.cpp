@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/core/text/escaped.hpp"
 #include "viewer/report/html_page.hpp"
 #include "viewer/report/report_text.hpp"
 #include "viewer/report/svg_plot.hpp"
@@ -66,7 +67,7 @@ std::string figure(const std::string& svg, const std::string& caption) {
 std::string rejected_list(const std::vector<RejectedView>& rejected) {
   std::string rows;
   for (const auto& v : rejected) {
-    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>", escape_html(v.name), escape_html(v.reason));
+    rows += fmt::format("<tr><td>{}</td><td>{}</td></tr>", escaped_markup(v.name), escaped_markup(v.reason));
   }
   return rejected.empty() ? "" : "<h2>Rejected views</h2>\n" + table("<th>image</th><th>reason</th>", rows);
 }
@@ -123,7 +124,7 @@ std::string views_table(const LensCalibration& c) {
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"number\">{:.3f}</td><td class=\"number\">{:.2f}</td>"
         "<td class=\"number\">{:.0f}</td><td class=\"share\"><i style=\"width:{:.0f}%\"></i></td></tr>",
-        escape_html(fit.view.name), fit.rms_px, fit.T_camera_board.translation.z(), tilt,
+        escaped_markup(fit.view.name), fit.rms_px, fit.T_camera_board.translation.z(), tilt,
         100 * fit.rms_px / most);
   }
   return table(
@@ -235,8 +236,8 @@ std::string to_text(const DepthShift& shift) {
 
 std::string lens_section(const std::string& title, const LensCalibration& c) {
   std::string warnings;
-  for (const auto& w : c.warnings) warnings += fmt::format("<p><b>Warning:</b> {}</p>\n", escape_html(w));
-  return fmt::format("<h2>{}</h2>\n{}{}<div class=\"pair\">{}{}</div>\n{}{}", escape_html(title), warnings,
+  for (const auto& w : c.warnings) warnings += fmt::format("<p><b>Warning:</b> {}</p>\n", escaped_markup(w));
+  return fmt::format("<h2>{}</h2>\n{}{}<div class=\"pair\">{}{}</div>\n{}{}", escaped_markup(title), warnings,
                      parameter_table(c.camera, c.covariance, &c.closed_form), error_plot(c), coverage_plot(c),
                      views_table(c), rejected_list(c.rejected));
 }
@@ -246,9 +247,9 @@ std::string rig_section(const RigCalibration& rig) {
   for (const auto& p : rig.pairs) {
     rows +=
         fmt::format("<tr><td>{}</td><td class=\"number\">{:.3f}</td><td class=\"number\">{:.3f}</td></tr>",
-                    escape_html(p.name), p.color_rms_px, p.infrared_rms_px);
+                    escaped_markup(p.name), p.color_rms_px, p.infrared_rms_px);
   }
-  std::string html = "<h2>Both cameras together</h2>\n<pre>" + escape_html(to_text(rig)) + "</pre>\n";
+  std::string html = "<h2>Both cameras together</h2>\n<pre>" + escaped_markup(to_text(rig)) + "</pre>\n";
   html +=
       table("<th>pair</th><th class=\"number\">RMS colour, px</th><th class=\"number\">RMS infrared, px</th>",
             rows);
@@ -264,13 +265,14 @@ std::string depth_section(const DepthShift& shift) {
   const PlotAxes frame{"Depth shift over distance", "distance of the board, m", "plane minus measured, mm",
                        false, false};
   return "<h2>Depth</h2>\n" + figure(svg_plot(frame, {&boards, 1}), "One dot per board.") + "<pre>" +
-         escape_html(to_text(shift)) + "</pre>\n";
+         escaped_markup(to_text(shift)) + "</pre>\n";
 }
 
 std::string calibration_page(const std::string& title, const std::string& subtitle,
                              const std::string& sections) {
   return fill_template(
-      kHtmlPage, {{"title", escape_html(title)}, {"subtitle", escape_html(subtitle)}, {"body", sections}});
+      kHtmlPage,
+      {{"title", escaped_markup(title)}, {"subtitle", escaped_markup(subtitle)}, {"body", sections}});
 }
 
 }  // namespace kinloop

@@ -35,5 +35,11 @@ TEST(Escaped, KeptCharactersStay) {
   EXPECT_EQ(escaped("a\nb\t\033", "\n\t"), "a\nb\t\\x1b");
 }
 
+TEST(EscapedMarkup, IsContentAndAttributeOfHtmlAndXml) {
+  EXPECT_EQ(escaped_markup("<a> & \"b\""), "&lt;a&gt; &amp; &quot;b&quot;");
+  EXPECT_EQ(escaped_markup("Küche\n\t2"), "Küche\n\t2");
+  EXPECT_EQ(escaped_markup("a\033\x01z"), "az");  // XML forbids control characters
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -179,9 +179,9 @@ TEST(EvaluationPlot, HoldsPathsAndErrors) {
   const std::vector<PlottedEstimate> plotted = {{"<a & b>", found.estimate, found.evaluation},
                                                 {"b", found.estimate, found.evaluation}};
   const std::string svg = evaluation_plot(plotted, found.truth);
-  EXPECT_THAT(svg,
-              AllOf(testing::StartsWith("<svg xmlns="), testing::EndsWith("</svg>\n"),
-                    HasSubstr("&lt;a &amp; b>"), HasSubstr("x, m"), HasSubstr("z, m"), HasSubstr("time, s")));
+  EXPECT_THAT(
+      svg, AllOf(testing::StartsWith("<svg xmlns="), testing::EndsWith("</svg>\n"),
+                 HasSubstr("&lt;a &amp; b&gt;"), HasSubstr("x, m"), HasSubstr("z, m"), HasSubstr("time, s")));
   EXPECT_EQ(count(svg, "<polyline"), 5U);
   EXPECT_THAT(svg, testing::Not(HasSubstr("nan")));
 }

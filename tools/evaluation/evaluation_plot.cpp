@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/core/text/escaped.hpp"
 #include "kinloop/core/time.hpp"
 
 namespace kinloop {
@@ -59,17 +60,8 @@ double tick_step(double span) {
 }
 
 std::string text_at(double x, double y, const char* anchor, const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "&lt;";
-    } else if (c == '&') {
-      safe += "&amp;";
-    } else if (static_cast<unsigned char>(c) >= ' ') {
-      safe += c;
-    }
-  }
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor, safe);
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor,
+                     escaped_markup(text));
 }
 
 std::string line(double x1, double y1, double x2, double y2) {

@@ -4,24 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/core/text/escaped.hpp"
+
 namespace kinloop {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
 
 std::string svg_color(const DrawingColor& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", color.red, color.green, color.blue);
@@ -45,7 +31,7 @@ std::string svg_shape(const DrawingShape& shape) {
           "<text transform=\"translate({:.3f} {:.3f}) rotate({:.2f})\" font-size=\"{:.2f}\" "
           "text-anchor=\"middle\" fill=\"{}\">{}</text>\n",
           at.x(), at.y(), -shape.angle_rad * kDegrees, shape.size_mm, svg_color(shape.color),
-          escaped(shape.text));
+          escaped_markup(shape.text));
     }
     default: {
       const std::string dash =
@@ -77,7 +63,7 @@ std::string svg_of(const Drawing& drawing) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.2f}mm\" height=\"{1:.2f}mm\" "
       "viewBox=\"0 0 {0:.2f} {1:.2f}\" font-family=\"Helvetica, Arial, sans-serif\" role=\"img\">\n"
       "<title>{2}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-      drawing.size_mm.x(), drawing.size_mm.y(), escaped(drawing.title));
+      drawing.size_mm.x(), drawing.size_mm.y(), escaped_markup(drawing.title));
   for (const DrawingShape& shape : drawing.shapes) svg += svg_shape(shape);
   return svg + "</svg>\n";
 }

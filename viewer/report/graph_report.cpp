@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "kinloop/core/text/escaped.hpp"
 #include "viewer/report/html_page.hpp"
 #include "viewer/report/report_text.hpp"
 #include "viewer/report/svg_plot.hpp"
@@ -57,14 +58,14 @@ std::string figure(const char* caption, const GraphReport& report, const Axes& a
 std::string render_graph_report(const GraphReport& report) {
   std::string tiles;
   for (const auto& [value, meaning] : report.tiles) {
-    tiles += fmt::format("<div class=\"tile\"><b>{}</b><small>{}</small></div>\n", escape_html(value),
-                         escape_html(meaning));
+    tiles += fmt::format("<div class=\"tile\"><b>{}</b><small>{}</small></div>\n", escaped_markup(value),
+                         escaped_markup(meaning));
   }
   const Axes axes = picture_axes(report.after);
   const std::string pictures = figure("The graph before", report, axes, report.before) +
                                figure("The graph after", report, axes, report.after);
-  return fill_template(kHtmlPage, {{"title", escape_html(report.title)},
-                                   {"subtitle", escape_html(report.subtitle)},
+  return fill_template(kHtmlPage, {{"title", escaped_markup(report.title)},
+                                   {"subtitle", escaped_markup(report.subtitle)},
                                    {"body", "<div class=\"tiles\">\n" + tiles + "</div>\n<h2>Graph</h2>\n" +
                                                 "<div class=\"pair\">" + pictures + "</div>"}});
 }

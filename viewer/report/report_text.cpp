@@ -4,29 +4,6 @@
 
 namespace kinloop {
 
-std::string escape_html(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
-
 std::string format_with_thousands(double number) {
   constexpr size_t kGroup = 3;
   std::string digits = std::to_string(std::llround(std::abs(number)));

@@ -7,9 +7,6 @@
 
 namespace kinloop {
 
-/// Escapes the special characters of HTML.
-std::string escape_html(std::string_view text);
-
 /// Formats an integer with a thin space between thousands.
 std::string format_with_thousands(double number);
 

@@ -64,4 +64,22 @@ std::string escaped(std::string_view text, std::string_view kept) {
   return result;
 }
 
+std::string escaped_markup(std::string_view text) {
+  std::string markup;
+  for (const char c : text) {
+    if (c == '&') {
+      markup += "&amp;";
+    } else if (c == '<') {
+      markup += "&lt;";
+    } else if (c == '>') {
+      markup += "&gt;";
+    } else if (c == '"') {
+      markup += "&quot;";
+    } else if (static_cast<unsigned char>(c) >= ' ' || c == '\n' || c == '\r' || c == '\t') {
+      markup += c;
+    }
+  }
+  return markup;
+}
+
 }  // namespace kinloop
