@@ -26,11 +26,11 @@ export function figure(content, caption) {
   return element('figure', {}, content, element('figcaption', {}, caption));
 }
 
-/** A table; `numbers` lists the numeric columns. */
+/** A table that scrolls where it is too wide, by keys, too; `numbers` lists the numeric columns. */
 export function table(head, rows, numbers = []) {
   const line = (cells, name) =>
     element('tr', {}, ...cells.map((cell, i) => element(name, numbers.includes(i) ? { class: 'number' } : {}, cell)));
-  return element('div', { class: 'table' }, element('table', {}, line(head, 'th'), ...rows.map((cells) => line(cells, 'td'))));
+  return element('div', { class: 'table', tabindex: '0' }, element('table', {}, line(head, 'th'), ...rows.map((cells) => line(cells, 'td'))));
 }
 
 /** The names of several runs in their colours. */
