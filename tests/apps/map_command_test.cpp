@@ -13,6 +13,7 @@
 #include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
+#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {
@@ -290,6 +291,24 @@ TEST_F(MapCommand, MergesMaps) {
   EXPECT_EQ(info["components"], 1);
   EXPECT_EQ(info["frames"], 40);
   EXPECT_GE(info["images"], info["keyframes"]);
+}
+
+TEST_F(MapCommand, MapsOfOnePlaceAreCompared) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("map diff --json " + folder + " " + folder + " -o " + at("diff.ply")), 0) << err_;
+  const auto difference = nlohmann::json::parse(out_);
+  EXPECT_EQ(difference["objects"], nlohmann::json::array());
+  EXPECT_GT(difference["before"]["same"].get<int>(), 1000);
+  EXPECT_EQ(difference["before"]["gone"], 0);
+  EXPECT_EQ(read_ply(at("diff.ply")).size(),
+            difference["before"]["points"].get<size_t>() + difference["after"]["points"].get<size_t>());
+}
+
+TEST_F(MapCommand, MapsOfTwoPlacesAreNotCompared) {
+  ASSERT_EQ(run("run -q sim:room:9" + (kSmall + ("-o " + at("elsewhere")))), 0) << err_;
+  EXPECT_EQ(run("map diff -q " + ran() + " " + at("elsewhere") + " -o " + at("none.ply")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("no place of"));
+  EXPECT_FALSE(std::filesystem::exists(at("none.ply")));
 }
 
 /// Numbers of the images of a COLMAP model that observe points.

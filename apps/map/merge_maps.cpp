@@ -1,0 +1,40 @@
+#include "apps/map/merge_maps.hpp"
+
+#include <fmt/format.h>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/threads/parallel_for.hpp"
+#include "session/run_plan.hpp"
+
+namespace kinloop {
+
+MergedMaps merge_maps(const MergeRequest& request, const Progress& progress) {
+  const auto path_a = map_file_of(request.a), path_b = map_file_of(request.b);
+  const MapReader reader_a(path_a), reader_b(path_b);
+  SavedMap a = read_map_with_warnings(reader_a, path_a), b = read_map_with_warnings(reader_b, path_b);
+  require_same_camera(a, path_a, b.camera);
+  if (a.camera.depth_scale != b.camera.depth_scale)
+    throw InputError(fmt::format("{}: depth in {} units per metre, but {} in {}", path_b.string(),
+                                 b.camera.depth_scale, a.camera.depth_scale, path_a.string()));
+  MergedMaps merged;
+  merged.camera = a.camera;
+  merged.options = restore_options(a, path_a);
+  merged.options.slam.global_ba.threads = hardware_threads();
+  merged.options.slam.localize_only = false;
+  merged.options = run_options_with(merged.options, request.assignments);
+
+  merged.slam = std::make_unique<Slam>(merged.camera, merged.options.slam,
+                                       open_vocabulary(request.vocabulary, merged.options.slam.features));
+  merged.recorder = std::make_unique<DenseRecorder>(merged.camera, merged.options.dense);
+  Slam& slam = *merged.slam;
+  load_images(reader_a, path_a, slam.add_map(std::move(a)), *merged.recorder);
+  const size_t before = slam.map().loop_closures().size() + b.map.loop_closures.size();
+  const uint32_t shift = slam.add_map(std::move(b));
+  merged.first_of_b = FrameId(shift);
+  load_images(reader_b, path_b, shift, *merged.recorder);
+  merged.loops_between = slam.map().loop_closures().size() - before;
+  slam.finish(progress);
+  return merged;
+}
+
+}  // namespace kinloop

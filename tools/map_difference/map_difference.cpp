@@ -1,0 +1,119 @@
+#include "tools/map_difference/map_difference.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+namespace kinloop {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kVoxelArea_m2 = 0.05 * 0.05;  // of the voxels of a PointGroup
+
+double surface_m2(const PointGroup& group) {
+  return static_cast<double>(group.voxels) * kVoxelArea_m2;
+}
+
+/// Adds the groups that no pair has.
+void add_unpaired(ObjectChange change, const std::vector<PointGroup>& groups,
+                  const std::vector<MovedPair>& moved, size_t MovedPair::*side,
+                  std::vector<ChangedObject>& objects) {
+  for (size_t i = 0; i < groups.size(); ++i) {
+    if (std::ranges::any_of(moved, [=](const MovedPair& pair) { return pair.*side == i; })) continue;
+    objects.push_back({change, groups[i].center_m, groups[i].center_m, surface_m2(groups[i])});
+  }
+}
+
+Rgb gray_of(const Rgb& color) {
+  constexpr int kRed = 77, kGreen = 150, kBlue = 29, kSum = 256;  // luma of BT.601
+  const auto gray = static_cast<uint8_t>((kRed * color[0] + kGreen * color[1] + kBlue * color[2]) / kSum);
+  return {gray, gray, gray};
+}
+
+/// Appends the points of a visit, those that changed in `tint` with some of their brightness.
+void append(const ColoredCloud& cloud, const std::vector<PointChange>& changes, const Rgb& tint,
+            ColoredCloud& all) {
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    all.points.push_back(cloud.points[i]);
+    if (!cloud.normals.empty()) all.normals.push_back(cloud.normals[i]);
+    Rgb color = gray_of(cloud.colors[i]);
+    if (changes[i] == PointChange::kChanged) {
+      for (size_t c = 0; c < color.size(); ++c) color[c] = static_cast<uint8_t>((3 * tint[c] + color[c]) / 4);
+    }
+    all.colors.push_back(color);
+  }
+}
+
+json position(const Eigen::Vector3d& p_file) {
+  constexpr double kPerM = 1e3;
+  json coordinates = json::array();
+  for (const double value : p_file) coordinates.push_back(std::round(value * kPerM) / kPerM);
+  return coordinates;
+}
+
+json counts(const std::vector<PointChange>& changes, const char* changed) {
+  const auto count = [&](PointChange change) { return std::ranges::count(changes, change); };
+  return {{"points", changes.size()},
+          {"same", count(PointChange::kSame)},
+          {changed, count(PointChange::kChanged)},
+          {"unseen", count(PointChange::kUnseen)}};
+}
+
+}  // namespace
+
+const char* to_string(ObjectChange change) {
+  switch (change) {
+    case ObjectChange::kGone:
+      return "gone";
+    case ObjectChange::kAdded:
+      return "added";
+    case ObjectChange::kMoved:
+      return "moved";
+  }
+  return "";
+}
+
+MapDifference compare_visits_of_place(const Visit& before, const Visit& after,
+                                      const ComparisonOptions& options, const Progress& progress) {
+  MapDifference difference;
+  difference.before = compare_points(before.cloud, after.views, options, progress);
+  difference.after = compare_points(after.cloud, before.views, options, progress);
+  const auto gone = group_changed_points(before.cloud, difference.before);
+  const auto added = group_changed_points(after.cloud, difference.after);
+  const auto moved = find_moved(gone, added);
+  for (const MovedPair& pair : moved) {
+    const PointGroup &from = gone[pair.before], &to = added[pair.after];
+    difference.objects.push_back({ObjectChange::kMoved, from.center_m, to.center_m, surface_m2(from)});
+  }
+  add_unpaired(ObjectChange::kGone, gone, moved, &MovedPair::before, difference.objects);
+  add_unpaired(ObjectChange::kAdded, added, moved, &MovedPair::after, difference.objects);
+  return difference;
+}
+
+ColoredCloud color_difference(const Visit& before, const Visit& after, const MapDifference& difference) {
+  constexpr Rgb kRed = {220, 40, 40}, kGreen = {30, 170, 80};
+  ColoredCloud all;
+  append(before.cloud, difference.before, kRed, all);
+  append(after.cloud, difference.after, kGreen, all);
+  return all;
+}
+
+json to_json(const MapDifference& difference, const Eigen::Quaterniond& R_file_world) {
+  json objects = json::array();
+  for (const ChangedObject& object : difference.objects) {
+    json entry = {{"change", to_string(object.change)},
+                  {"center_m", position(R_file_world * object.center_m)},
+                  {"surface_m2", std::round(object.surface_m2 * 1e4) / 1e4}};
+    if (object.change == ObjectChange::kMoved) {
+      entry["moved_to_m"] = position(R_file_world * object.moved_to_m);
+      entry["moved_by_m"] = std::round((object.moved_to_m - object.center_m).norm() * 1e3) / 1e3;
+    }
+    objects.push_back(entry);
+  }
+  return {{"before", counts(difference.before, "gone")},
+          {"after", counts(difference.after, "added")},
+          {"objects", objects}};
+}
+
+}  // namespace kinloop
