@@ -8,6 +8,7 @@
 #include "drivers/datasets/camera_files/camera_template.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/open_sequence.hpp"
+#include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/back_end/focal_length.hpp"
 #include "kinloop/core/log.hpp"
@@ -19,16 +20,15 @@ namespace {
 
 /// The estimate of a map of the first frames; nullopt if they give none.
 std::optional<FocalLengthEstimate> estimate_from_first_frames(const std::string& folder,
-                                                              const CameraDescription& description,
-                                                              std::optional<double> depth_scale) {
+                                                              const OpenedSequence& opened) {
   constexpr int kFrames = 300;
-  const auto source = open_sequence(folder, description, depth_scale);
+  RecordedSource source(folder, opened.sequence, opened.camera);
   SlamOptions options;
   options.loop.enabled = false;
   options.self_calibration.enabled = false;
-  Slam slam(source->camera(), options);
+  Slam slam(source.camera(), options);
   for (int i = 0; i < kFrames; ++i) {
-    const auto frame = source->next();
+    const auto frame = source.next();
     if (!frame) break;
     slam.process(*frame);
   }
@@ -60,8 +60,10 @@ GuessedCamera guess_camera(const std::string& given_folder, std::optional<double
   GuessedCamera guess;
   guess.description = common_camera(layout->read(folder));
   const PinholeCamera& lens = guess.description.camera.color;
+  OpenedSequence opened = read_sequence(folder, guess.description, depth_scale);
   while (guess.rounds < kMostRounds) {
-    const auto found = estimate_from_first_frames(folder, guess.description, depth_scale);
+    opened.camera.color.fx = lens.fx, opened.camera.color.fy = lens.fy;
+    const auto found = estimate_from_first_frames(folder, opened);
     ++guess.rounds;
     if (!found) return guess;
     const double factor =

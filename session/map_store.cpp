@@ -157,8 +157,8 @@ OpenMap open_map(const std::filesystem::path& file_or_folder, const std::vector<
   const auto path = map_file_of(file_or_folder);
   const MapReader reader(path);
   SavedMap saved = read_map_with_warnings(reader, path);
-  const RunOptions options = within_range(run_options_with(restore_options(saved, path), assignments),
-                                          saved.camera.sensor, assignments);
+  const RunOptions options =
+      within_range(run_options_with(restore_options(saved, path), assignments), saved.camera.sensor);
   OpenMap open{{}, options, {}, logged_frames(saved, 0, 0), DenseRecorder(saved.camera, options.dense), {}};
   open.map.append(std::move(saved.map));
   open.saved = std::move(saved);

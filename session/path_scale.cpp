@@ -50,6 +50,7 @@ std::optional<InputWarning> check_path_scale(const Trajectory& estimate, const T
                                              std::optional<double> depth_scale) {
   constexpr size_t kFewest = 20;
   constexpr double kMinSpread_m = 0.05, kSame = 1.1, kAgrees = 0.1;
+  constexpr double kMaxPoseError_m = 0.05;  // of published poses, which are estimates, too
   Points found, true_points;
   for (const StampPair& pair : associate_stamps(stamps_of(estimate), stamps_of(truth))) {
     found.push_back(estimate[pair.a].T_world_camera.translation);
@@ -59,7 +60,8 @@ std::optional<InputWarning> check_path_scale(const Trajectory& estimate, const T
   const double spread_m = spread_of_points(found), true_spread_m = spread_of_points(true_points);
   if (!(spread_m > kMinSpread_m) || !(true_spread_m > 0)) return std::nullopt;
   const double scale = spread_m / true_spread_m;
-  if (std::max(scale, 1 / scale) < kSame) return std::nullopt;
+  if (std::max(scale, 1 / scale) < kSame || std::abs(spread_m - true_spread_m) < kMaxPoseError_m)
+    return std::nullopt;
   for (auto& point : true_points) point *= scale;
   const auto distance = distance_m(found, true_points);
   if (!distance || *distance > kAgrees * spread_m) return std::nullopt;

@@ -1,6 +1,7 @@
 #include "session/run_options.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace kinloop {
 
@@ -24,11 +25,20 @@ bool assigns(std::span<const std::string> assignments, std::string_view key) {
   });
 }
 
-RunOptions within_range(RunOptions options, const DepthSensor& sensor,
-                        std::span<const std::string> assignments) {
-  double& min_depth_m = options.dense.limits.min_depth_m;
+RunOptions with_minimum_depth(RunOptions options, double min_depth_m) {
+  options.dense.limits.min_depth_m = min_depth_m;
+  options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
+  return options;
+}
+
+RunOptions with_sensor_range(RunOptions options, const DepthSensor& sensor,
+                             std::span<const std::string> assignments) {
   if (sensor.origin != SensorOrigin::kAssumed && !assigns(assignments, "dense.min_depth_m"))
-    min_depth_m = std::min(min_depth_m, sensor.min_depth_m);
+    options = with_minimum_depth(std::move(options), sensor.min_depth_m);
+  return within_range(std::move(options), sensor);
+}
+
+RunOptions within_range(RunOptions options, const DepthSensor& sensor) {
   options.dense.limits = within_range(options.dense.limits, sensor);
   options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
   return options;

@@ -38,10 +38,16 @@ struct RunOptions {
 /// Returns whether an assignment "key=value" sets this option.
 bool assigns(std::span<const std::string> assignments, std::string_view key);
 
-/// Narrows the limits of depth to the range of the sensor, see within_range. A minimum that the user did not
-/// assign is that of the sensor if it is known, also where the usual one is larger.
-RunOptions within_range(RunOptions options, const DepthSensor& sensor,
-                        std::span<const std::string> assignments);
+/// Returns options whose limits of depth are without what is beyond the range of the sensor, see
+/// within_range.
+RunOptions within_range(RunOptions options, const DepthSensor& sensor);
+
+/// Same, with the minimum of the sensor if it is known and the user did not assign one.
+RunOptions with_sensor_range(RunOptions options, const DepthSensor& sensor,
+                             std::span<const std::string> assignments);
+
+/// Returns options with this minimum of depth, of all dense results.
+RunOptions with_minimum_depth(RunOptions options, double min_depth_m);
 
 /// Divides this memory among images, descriptors and patches of keyframes; the fusion of the dense map, which
 /// comes after them, gets no more than it.

@@ -73,19 +73,20 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   return source;
 }
 
-/// A smaller minimum than usual where most depth of `first_frames` is nearer, unless the user chose one or
-/// the sensor has its own.
-DepthLimits with_near_minimum(DepthLimits limits, const FrameSource& source,
-                              const std::deque<Frame>& first_frames, const RunSettings& settings) {
+/// A smaller minimum than usual where most depth of `first_frames` is nearer; nullopt if not, or if the user
+/// chose one or named the sensor.
+std::optional<double> minimum_of_near_scene_m(DepthLimits limits, const FrameSource& source,
+                                              const std::deque<Frame>& first_frames,
+                                              const RunSettings& settings) {
   const RgbdCamera& camera = source.camera();
-  if (camera.sensor.origin != SensorOrigin::kAssumed || assigns(settings.assignments, "dense.min_depth_m"))
-    return limits;
+  if (camera.sensor.origin == SensorOrigin::kCameraFile || assigns(settings.assignments, "dense.min_depth_m"))
+    return std::nullopt;
+  if (camera.sensor.origin == SensorOrigin::kSource) limits.min_depth_m = camera.sensor.min_depth_m;
   const auto near_m = near_minimum_m(first_frames, limits, camera.depth_scale);
-  if (!near_m) return limits;
-  log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
-            source.info().name, limits.min_depth_m, *near_m, limits.min_depth_m);
-  limits.min_depth_m = *near_m;
-  return limits;
+  if (near_m)
+    log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
+              source.info().name, limits.min_depth_m, *near_m, limits.min_depth_m);
+  return near_m;
 }
 
 /// Options for the frames of `source`: of live ones, results are applied when ready, unless the user chose
@@ -93,7 +94,7 @@ DepthLimits with_near_minimum(DepthLimits limits, const FrameSource& source,
 RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
   if (source.info().live && !assigns(settings.assignments, "executor.mode"))
     options.slam.executor.mode = ExecutorMode::kLive;
-  return within_range(options, source.camera().sensor, settings.assignments);
+  return with_sensor_range(std::move(options), source.camera().sensor, settings.assignments);
 }
 
 }  // namespace
@@ -128,8 +129,8 @@ RunPlan plan_run(const RunRequest& request) {
   constexpr size_t kFirstFrames = 10;
   const size_t ahead = is_camera_or_stream(request.sequence) ? 0 : kFirstFrames;
   auto peeked = std::make_unique<PeekedSource>(std::move(source), ahead);
-  setup.options.dense.limits =
-      with_near_minimum(setup.options.dense.limits, *peeked, peeked->first_frames(), request.settings);
+  const auto near_m =
+      minimum_of_near_scene_m(setup.options.dense.limits, *peeked, peeked->first_frames(), request.settings);
   source = std::move(peeked);
   const PacedSource* paced = nullptr;
   if (request.pace_hz > 0) {
@@ -137,7 +138,8 @@ RunPlan plan_run(const RunRequest& request) {
     paced = owner.get();
     source = std::move(owner);
   }
-  setup.options = options_for(*source, setup.options, request.settings);
+  setup.options = options_for(*source, std::move(setup.options), request.settings);
+  if (near_m) setup.options = with_minimum_depth(std::move(setup.options), *near_m);
   RgbdCamera camera = setup.start ? setup.start->adapt(source->camera()) : source->camera();
   auto memory = request.remember ? sensor_memory_of(source->info()) : std::nullopt;
   if (memory) camera = memory->recall(camera);

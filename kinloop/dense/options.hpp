@@ -16,7 +16,8 @@ struct DepthLimits {
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit("min_depth_m", self.min_depth_m,
-          "minimum depth, metres; also of meshes and occupancy maps; not below that of the sensor",
+          "minimum depth, metres; also of meshes and occupancy maps (default: that of the sensor if it is "
+          "known, less in a near scene)",
           Range{0.05, 10});
     visit("max_depth_m", self.max_depth_m,
           "maximum depth, metres; also of meshes, occupancy maps and the live view; not beyond that of the "
@@ -30,10 +31,9 @@ struct DepthLimits {
   }
 };
 
-/// Returns the limits narrowed to the range of the sensor, unless the sensor is only assumed.
+/// Returns the limits without what is beyond the range of the sensor, unless the sensor is only assumed.
 inline DepthLimits within_range(DepthLimits limits, const DepthSensor& sensor) {
   if (sensor.origin == SensorOrigin::kAssumed) return limits;
-  limits.min_depth_m = std::max(limits.min_depth_m, sensor.min_depth_m);
   limits.max_depth_m = std::min(limits.max_depth_m, sensor.max_depth_m);
   return limits;
 }

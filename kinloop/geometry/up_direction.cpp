@@ -192,7 +192,7 @@ double surface_evidence(const Shares& shares) {
 
 /// Returns the probability, among all candidates, of those near `direction`.
 double probability_near(const Eigen::Vector3d& direction, const std::vector<Candidate>& candidates) {
-  constexpr double kNear_rad = 20 * kDegree;
+  constexpr double kNear_rad = 45 * kDegree;  // as far as cameras look down
   double most = -std::numeric_limits<double>::infinity(), near = 0, all = 0;
   for (const Candidate& one : candidates) most = std::max(most, one.log_likelihood);
   for (const Candidate& one : candidates) {

@@ -336,6 +336,15 @@ TEST(SevenScenes, DepthOfTheOriginalIsToBeRegistered) {
   EXPECT_LT((T_world_depth.inverse() * sample.truth[1].T_world_camera).translation.norm(), 1e-6);
 }
 
+TEST(SevenScenes, AFileOfAnotherNameHasTheCameraOfItsImages) {
+  const Written written(writer_of("7-Scenes"), make_sample(2, {640, 480}));
+  fs::remove(written.path() / "camera-intrinsics.txt");
+  write_file(written.path() / "camera-intrinsics.color.txt", "500 0 320\n0 500 240\n0 0 1\n");
+  const auto [sequence, camera] = written.read();
+  EXPECT_FALSE(camera.depth);
+  EXPECT_EQ(camera.color.fx, 500);
+}
+
 TEST(ScanNet, SmallerDepthHasItsOwnLens) {
   Sample sample = make_sample(2, {64, 48});
   const Written written(writer_of("ScanNet"), sample);

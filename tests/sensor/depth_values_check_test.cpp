@@ -191,6 +191,17 @@ TEST(DepthValuesCheck, SaysNothingOfTheUnitOfDepthThatRegistrationEnlarges) {
   EXPECT_EQ(unit_text(recording), "");
 }
 
+TEST(DisparitySteps, AreNotTheSlopeOfAPlaneWithoutNoise) {
+  // The inverse depth of a plane rises evenly along a row.
+  cv::Mat depth_m(240, 320, CV_32FC1);
+  for (int row = 0; row < depth_m.rows; ++row)
+    for (int col = 0; col < depth_m.cols; ++col)
+      depth_m.at<float>(row, col) = 1 / (0.25F + 0.0011F * static_cast<float>(col));
+  DisparitySteps steps(0.0002);
+  for (int i = 0; i < 10; ++i) steps.add(depth_m);
+  EXPECT_FALSE(steps.per_m());
+}
+
 TEST(DisparitySteps, AreNotThoseOfCentimetres) {
   const auto centimetres = [](const cv::Mat& depth_m) {
     cv::Mat changed = depth_m.clone();

@@ -61,6 +61,7 @@ TEST(PathScale, SaysNothingOfTooLittle) {
   EXPECT_FALSE(check_path_scale(path(2), {}, kDepthScale));
   EXPECT_FALSE(check_path_scale({}, path(1), kDepthScale));
   EXPECT_FALSE(check_path_scale(path(0.02), path(0.01), kDepthScale));  // the camera stands
+  EXPECT_FALSE(check_path_scale(path(0.2), path(0.17), kDepthScale));   // as wrong as published poses are
   Trajectory few = path(1);
   few.resize(10);
   EXPECT_FALSE(check_path_scale(path(2), few, kDepthScale));

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/datasets/camera_files/find_camera.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/frame_files.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
@@ -29,19 +30,30 @@ RgbdCamera seven_scenes_camera() {
   return camera;
 }
 
-/// The camera in camera-intrinsics.txt; nullopt if there is none, or it is that of the original depth.
-std::optional<RgbdCamera> registered_camera(const std::filesystem::path& folder, cv::Size size) {
+/// Returns camera-intrinsics.txt in the folder or above it, if there is one.
+std::optional<std::filesystem::path> intrinsics_file(const std::filesystem::path& folder) {
   for (const auto& file :
        {folder / kIntrinsicsName, folder.lexically_normal().parent_path() / kIntrinsicsName}) {
     std::error_code absent;
-    if (!std::filesystem::exists(file, absent)) continue;
-    RgbdCamera camera;
-    camera.depth_scale = 1000;
-    camera.color = read_lens(file, size);
-    const bool of_depth = camera.color == *seven_scenes_camera().depth;
-    return of_depth ? std::nullopt : std::optional(camera);
+    if (std::filesystem::exists(file, absent)) return file;
   }
   return std::nullopt;
+}
+
+/// The camera in camera-intrinsics.txt; nullopt if there is none, or it is that of the original depth.
+std::optional<RgbdCamera> registered_camera(const std::filesystem::path& folder, cv::Size size) {
+  const auto file = intrinsics_file(folder);
+  if (!file) return std::nullopt;
+  RgbdCamera camera;
+  camera.depth_scale = 1000;
+  camera.color = read_lens(*file, size);
+  const bool of_depth = camera.color == *seven_scenes_camera().depth;
+  return of_depth ? std::nullopt : std::optional(camera);
+}
+
+/// Whether a file of another name beside the images has a camera, which is not the one of the dataset.
+bool has_another_camera(const std::filesystem::path& folder) {
+  return !intrinsics_file(folder) && find_camera(folder, folder).has_value();
 }
 
 RecordedSequence read_seven_scenes(const std::filesystem::path& folder) {
@@ -51,7 +63,7 @@ RecordedSequence read_seven_scenes(const std::filesystem::path& folder) {
   if (const auto camera = registered_camera(folder, size)) {
     sequence.camera = camera;
     sequence.layout = "3DMatch folder";
-  } else if (size != kImageSize) {
+  } else if (size != kImageSize || has_another_camera(folder)) {
     sequence.layout =
         "folder of frame-000000.color images";  // of another camera, whose file may lie beside them
     return sequence;

@@ -21,11 +21,13 @@ double bin_per_m(int bin) {
 
 void DisparitySteps::add(const cv::Mat& depth_m) {
   constexpr int kColumns = 40;
-  const int step = std::max(2, depth_m.cols / kColumns);
+  const int step = std::max(4, depth_m.cols / kColumns);  // so that there are two pixels before the first
   for (int y = step / 2; y < depth_m.rows; y += step) {
     const auto* row = depth_m.ptr<float>(y);
     for (int x = step / 2; x < depth_m.cols; x += step) {
-      if (row[x - 1] > 0 && row[x] > 0) add_pair(row[x - 1], row[x]);
+      // A step has a level beside it. Without noise, the inverse depth of a plane rises evenly, too.
+      const bool level = row[x - 2] == row[x - 1] || (x + 1 < depth_m.cols && row[x] == row[x + 1]);
+      if (level && row[x - 1] > 0 && row[x] > 0) add_pair(row[x - 1], row[x]);
     }
   }
 }
