@@ -323,15 +323,13 @@ void Tracker::find_moved(TrackedFrame& tracked, const Frame& frame) const {
 void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
   const ScopedTimer timer(timings_, "moving keypoints");
   if (!tracked.is_located() || recent_.empty() || recent_.back().reference != tracked.reference) return;
-  // In a tenth of a second, what moves is displaced by more than the keypoints are imprecise; after three
-  // tenths, it is farther away than optical flow reaches.
-  constexpr int64_t kMinInterval_ns = kNsPerSecond / 11, kMaxInterval_ns = 3 * kNsPerSecond / 10;
+  // In a tenth of a second, what moves is displaced by more than the keypoints are imprecise.
+  constexpr int64_t kMinInterval_ns = kNsPerSecond / 11;
   const auto is_old_enough = [&](const TrackedFrame& frame) {
     return tracked.stamp_ns - frame.stamp_ns >= kMinInterval_ns;
   };
   const auto newest = std::find_if(recent_.rbegin(), recent_.rend(), is_old_enough);
   const TrackedFrame& earlier = newest == recent_.rend() ? recent_.front() : *newest;
-  if (tracked.stamp_ns - earlier.stamp_ns > kMaxInterval_ns) return;
   const SE3 T_earlier_tracked = earlier.T_reference_camera.inverse() * tracked.T_reference_camera;
   tracked.moved = marked_in_either(tracked.moved, moving_points(tracked, earlier, T_earlier_tracked, sensor));
 }
