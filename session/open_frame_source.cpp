@@ -142,10 +142,10 @@ std::unique_ptr<FrameSource> open_as_recorded(const SourceRequest& request) {
 
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
   auto source = open_as_recorded(request);
-  if (request.sensor) source = std::make_unique<NamedSensorSource>(std::move(source), *request.sensor);
   if (request.depth_offset_s != 0)
     source = std::make_unique<ShiftedDepthSource>(std::move(source), request.depth_offset_s);
   if (request.every != 1) source = std::make_unique<ThinnedSource>(std::move(source), request.every);
+  if (request.sensor) source = std::make_unique<NamedSensorSource>(std::move(source), *request.sensor);
   return source;
 }
 

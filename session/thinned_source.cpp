@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/sensor/passable_source.hpp"
 
 namespace kinloop {
 
@@ -19,11 +20,16 @@ ThinnedSource::ThinnedSource(std::unique_ptr<FrameSource> source, int step)
 
 std::optional<Frame> ThinnedSource::next() {
   for (int passed_over = next_id_ == 0 ? 0 : step_ - 1; passed_over > 0; --passed_over) {
-    if (!source().next()) return std::nullopt;
+    if (!pass_over()) return std::nullopt;
   }
   auto frame = source().next();
   if (frame) frame->id = FrameId{next_id_++};
   return frame;
+}
+
+bool ThinnedSource::pass_over() {
+  auto* passable = dynamic_cast<PassableSource*>(&source());
+  return passable != nullptr ? passable->pass_over() : source().next().has_value();
 }
 
 }  // namespace kinloop

@@ -8,7 +8,7 @@
 namespace kinloop {
 
 /// Delivers the first frame of a source and each n-th after it, with consecutive ids and 1/n of the rate.
-/// Damaged frames do not count.
+/// Frames between them are not read if the source is a PassableSource.
 class ThinnedSource : public ForwardingSource {
  public:
   static constexpr int kMaxStep = 100'000;
@@ -21,6 +21,9 @@ class ThinnedSource : public ForwardingSource {
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
 
  private:
+  /// Passes over one frame; false at the end.
+  bool pass_over();
+
   int step_;
   RgbdCamera camera_;
   SourceInfo info_;

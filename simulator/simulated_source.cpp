@@ -164,6 +164,12 @@ std::optional<Frame> SimulatedSource::next() {
   return frame(next_++);
 }
 
+bool SimulatedSource::pass_over() {
+  if (next_ == info_.frames) return false;
+  ++next_;
+  return true;
+}
+
 double SimulatedSource::distance_to_surface(const Eigen::Vector3d& p_world) const {
   return setup_->room.scene->distance_to_surface(setup_->room.T_world_room.inverse() * p_world);
 }

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/passable_source.hpp"
 #include "simulator/depth_camera.hpp"
 #include "simulator/depth_stamps.hpp"
 #include "simulator/kinect_model.hpp"
@@ -66,7 +67,7 @@ struct SensorGroundTruth {
 };
 
 /// Renders a room on the fly.
-class SimulatedSource : public FrameSource {
+class SimulatedSource : public FrameSource, public PassableSource {
  public:
   /// The room of `seed` along the built-in path, or along `path` (in its stamps and world).
   SimulatedSource(std::string name, uint64_t seed, const SimulationOptions& options, int threads,
@@ -76,6 +77,7 @@ class SimulatedSource : public FrameSource {
   SimulatedSource& operator=(const SimulatedSource&) = delete;
 
   std::optional<Frame> next() override;
+  bool pass_over() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override { return {}; }

@@ -127,6 +127,12 @@ std::optional<Frame> RecordedSource::next() {
   return std::nullopt;
 }
 
+bool RecordedSource::pass_over() {
+  if (next_file_ == sequence_.frames.size()) return false;
+  ++next_file_;
+  return true;
+}
+
 Frame RecordedSource::read_images(const RecordedFrame& files) const {
   Frame frame;
   frame.stamp_ns = files.stamp_ns;

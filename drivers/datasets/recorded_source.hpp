@@ -9,6 +9,7 @@
 #include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/passable_source.hpp"
 
 namespace kinloop {
 
@@ -16,7 +17,7 @@ namespace kinloop {
 /// does not increase are skipped and counted. Unregistered depth (a depth camera of its own) is registered to
 /// colour; depth of the lowest confidence is unknown. A mask of another size or kind is an error, which
 /// `next` throws.
-class RecordedSource : public FrameSource {
+class RecordedSource : public FrameSource, public PassableSource {
  public:
   /// `name` is the source as given by the user. Throws InputError naming file and remedy if the sequence is
   /// unusable: no image to read, or images of another size than the camera's.
@@ -24,6 +25,7 @@ class RecordedSource : public FrameSource {
 
   /// Throws InputError at the end if not a single frame was intact.
   std::optional<Frame> next() override;
+  bool pass_over() override;
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override { return sequence_.skipped; }

@@ -56,6 +56,20 @@ bool is_confirmed(const Landmark& landmark, bool has_depth) {
   return landmark.observations.size() >= (has_depth ? kMinMeasured : kMinTriangulated);
 }
 
+/// Reserves space for as many landmarks as there are ids.
+void reserve(LocalMap& local_map) {
+  const size_t count = local_map.size();
+  local_map.index_of.reserve(count);
+  local_map.p_reference.reserve(count);
+  local_map.has_depth.reserve(count);
+  local_map.confirmed.reserve(count);
+  local_map.viewing_directions.reserve(count);
+  local_map.observed_distances_m.reserve(count);
+  local_map.observed_levels.reserve(count);
+  local_map.view_of.reserve(count);
+  local_map.feature_of.reserve(count);
+}
+
 }  // namespace
 
 LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options) {
@@ -64,6 +78,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
   local_map.features = map.keyframe(reference).features;
   local_map.surfaces = map.keyframe(reference).surfaces;
   local_map.ids = collect_landmarks(map, reference, options);
+  reserve(local_map);
   for (uint32_t i = 0; i < local_map.size(); ++i) local_map.index_of.emplace(local_map.ids[i], i);
   const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();
   const cv::Mat& like = local_map.features->descriptors;

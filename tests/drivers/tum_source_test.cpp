@@ -99,6 +99,17 @@ TEST(TumSource, GivesTheFramesInOrder) {
   EXPECT_FALSE(source.next());
 }
 
+TEST(TumSource, PassesOverFramesWithoutReadingThem) {
+  const SequenceFolder sequence(4);
+  TumSource source(sequence.path());
+  sequence.folder.write(SequenceFolder::color_name(1), "damaged");
+  EXPECT_TRUE(source.next());
+  EXPECT_TRUE(source.pass_over());
+  EXPECT_THAT(indices(read_all(source)), ElementsAre(2, 3));
+  EXPECT_THAT(source.skipped(), IsEmpty());
+  EXPECT_FALSE(source.pass_over());
+}
+
 TEST(TumSource, AssociationsFileRulesWhereThereIsOne) {
   const SequenceFolder sequence(3);
   sequence.folder.write(

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/sensor/passable_source.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -30,6 +32,21 @@ class Numbered : public FrameSource {
   SourceInfo info_;
 };
 
+/// The same, and it can pass over frames.
+class NumberedPassable : public Numbered, public PassableSource {
+ public:
+  NumberedPassable(uint32_t frames, int& read) : Numbered(frames), read_(read) {}
+
+  std::optional<Frame> next() override {
+    ++read_;
+    return Numbered::next();
+  }
+  bool pass_over() override { return Numbered::next().has_value(); }
+
+ private:
+  int& read_;
+};
+
 ThinnedSource thinned(uint32_t frames, int step) {
   return {std::make_unique<Numbered>(frames), step};
 }
@@ -53,6 +70,12 @@ TEST(ThinnedSource, GivesTheFirstAndEveryNthFrameWithConsecutiveIds) {
   EXPECT_EQ(stamps_ns(thinned(8, 7)), (Stamps{0, 7}));
   EXPECT_EQ(stamps_ns(thinned(8, 100)), Stamps{0});
   EXPECT_EQ(stamps_ns(thinned(0, 3)), Stamps{});
+}
+
+TEST(ThinnedSource, DoesNotReadFramesThatCanBePassedOver) {
+  int read = 0;
+  EXPECT_EQ(stamps_ns({std::make_unique<NumberedPassable>(8, read), 3}), (Stamps{0, 3, 6}));
+  EXPECT_EQ(read, 3);
 }
 
 TEST(ThinnedSource, HasTheRateThatIsLeft) {
