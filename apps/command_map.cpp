@@ -1,10 +1,11 @@
-// kinloop map: shows the content of a map file, or merges two maps.
+// kinloop map: shows the content of a map file, merges two maps, or says in which map a camera is.
 
 #include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/map_locate.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
@@ -164,6 +165,7 @@ void add_map_command(CLI::App& app) {
   command->require_subcommand(1);
   add_info(*command);
   add_merge(*command);
+  add_map_locate_command(*command);
 }
 
 }  // namespace kinloop

@@ -48,7 +48,7 @@ DepthConsistency compare_with_views(const Map& map, uint32_t component, Keyframe
 
 void LocationCheck::add(const LocationEvidence& evidence, bool confident) {
   constexpr size_t kLatest = 10;
-  constexpr int kMinFrames = 3, kMinConfidentFrames = 10, kMinConsistent = 300;
+  constexpr int kMinFrames = 2, kMinConfidentFrames = 10, kMinConsistent = 300;
   latest_.push_back(evidence);
   if (latest_.size() > kLatest) latest_.pop_front();
   ++frames_;

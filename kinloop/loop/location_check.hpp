@@ -33,7 +33,7 @@ class LocationCheck {
   /// space of the map.
   [[nodiscard]] bool is_refuted() const;
 
-  /// Returns whether three frames agree with the place; once true, it remains so. Without depth, nothing but
+  /// Returns whether two frames agree with the place; once true, it remains so. Without depth, nothing but
   /// landmarks supports a place: ten frames must be confident.
   [[nodiscard]] bool is_confirmed() const { return confirmed_; }
 

