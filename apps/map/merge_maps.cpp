@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/shared/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "session/run_plan.hpp"
@@ -35,6 +36,13 @@ MergedMaps merge_maps(const MergeRequest& request, const Progress& progress) {
   merged.loops_between = slam.map().loop_closures().size() - before;
   slam.finish(progress);
   return merged;
+}
+
+void add_map_arguments(CLI::App& command, MergeRequest& maps) {
+  command.add_option("A", maps.a, "a map file, or the folder of a run; its world frame is kept")->required();
+  command.add_option("B", maps.b, "another map file or folder of a run")->required();
+  command.add_option("--vocabulary", maps.vocabulary, "visual vocabulary (default: built-in)");
+  add_set_option(command, maps.assignments);
 }
 
 }  // namespace kinloop

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "kinloop/core/progress.hpp"
 #include "session/map_store.hpp"
 
@@ -30,5 +32,8 @@ struct MergedMaps {
 /// Merges the maps; the world frame is that of `a`. Throws InputError if a file cannot be read or the maps
 /// are of different cameras.
 MergedMaps merge_maps(const MergeRequest& request, const Progress& progress);
+
+/// Adds A, B, --vocabulary and --set to a command.
+void add_map_arguments(CLI::App& command, MergeRequest& maps);
 
 }  // namespace kinloop

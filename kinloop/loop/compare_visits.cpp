@@ -5,11 +5,11 @@
 namespace kinloop {
 namespace {
 
-constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;  // of views that overlap
-constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;   // 1 sigma, of the relative position
+constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
 
 /// The keyframe of a component whose view is nearest to a pose; nullopt if none overlaps.
 const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_world_camera) {
+  constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;  // of views that overlap
   const Keyframe* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Keyframe& keyframe : map.keyframes()) {

@@ -1,10 +1,57 @@
 #include "kinloop/loop/place_recognition.hpp"
 
+#include <algorithm>
+
 #include "kinloop/core/random.hpp"
+#include "kinloop/loop/drift.hpp"
 #include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/loop/relative_scale.hpp"
+#include "kinloop/map/frame_log.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 
 namespace kinloop {
+namespace {
+
+/// The id after those of all keyframes.
+KeyframeId end_of(const Map& map) {
+  return KeyframeId{static_cast<uint32_t>(map.keyframes().size())};
+}
+
+/// Whether the map says that a keyframe shows the place where the frame was found.
+bool shows_place_of(const TrackedFrame& found, KeyframeId keyframe, const Map& map) {
+  constexpr double kMaxDistance_m = 0.5;
+  if (map.keyframe(keyframe).component != map.keyframe(found.reference).component) return false;
+  const double distance_m =
+      (world_pose(found, map).translation - map.keyframe(keyframe).T_world_camera.translation).norm();
+  const auto group = covisible_group(map, found.reference);
+  return distance_m < kMaxDistance_m || std::binary_search(group.begin(), group.end(), keyframe);
+}
+
+/// Whether drift of the map explains the difference between two poses of one frame.
+bool agree(const TrackedFrame& a, const TrackedFrame& b, const Map& map) {
+  const double travelled_m = travelled_distances(map, a.reference)[b.reference.value];
+  const auto predicted = predict_view(map, a.reference, b.reference, travelled_m);
+  return predicted &&
+         is_explained_by_drift(*predicted, a.T_reference_camera * b.T_reference_camera.inverse());
+}
+
+/// Whether so many more landmarks agree with one pose of a frame that the other is a chance.
+bool fits_better(const TrackedFrame& pose, const TrackedFrame& other) {
+  constexpr double kMaxRatio = 0.7;
+  return other.evidence.inliers < kMaxRatio * pose.evidence.inliers;
+}
+
+/// Whether the frame itself refutes the pose that was found for it.
+bool refutes(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
+  LocationCheck check;
+  check.add({measure_scale(in, found.T_reference_camera),
+             compare_with_views(map, map.keyframe(found.reference).component, end_of(map), *in.frame.features,
+                                world_pose(found, map), in.sensor)},
+            false);
+  return check.is_refuted();
+}
+
+}  // namespace
 
 BowVector PlaceRecognition::bow_of(const Features& features) const {
   return vocabulary_.bow_of(vocabulary_.quantize(features.descriptors).words);
@@ -17,21 +64,63 @@ void PlaceRecognition::add(const Keyframe& keyframe) {
   nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
 
-std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, const Map& map) const {
-  const PlaceOptions& options = context_.options;
+/// Returns the pose of the frame if it shows the place of this keyframe and nothing around refutes it.
+std::optional<TrackedFrame> PlaceRecognition::locate_at(KeyframeId candidate, const Frame& frame,
+                                                        const Map& map) const {
+  const auto& [sensor, options] = context_;
+  const LocalMap local_map = make_local_map(map, candidate, options.local_map);
+  const TrackingInput in{frame, local_map, sensor, options.tracking};
   const uint64_t seed = hash(options.seed, frame.id.value);
-  const auto candidates =
-      index_.query(bow_of(*frame.features), static_cast<size_t>(options.loop.max_candidates));
-  for (const auto& candidate : candidates) {
-    const LocalMap local_map = make_local_map(map, candidate.keyframe, options.local_map);
-    auto found = recognize_place({frame, local_map, context_.sensor, options.tracking}, options.loop,
-                                 hash(seed, candidate.keyframe.value));
-    if (!found) continue;
-    found->outcome = TrackingOutcome::kRelocalized;
-    found->evidence.with_depth = count_with_depth(found->matches, local_map);
-    return found;
+  auto found = recognize_place(in, options.loop, hash(seed, candidate.value));
+  if (!found) return std::nullopt;
+  if (refutes(*found, in, map)) return std::nullopt;
+  found->outcome = TrackingOutcome::kRelocalized;
+  found->evidence.with_depth = count_with_depth(found->matches, local_map);
+  return found;
+}
+
+std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, const Map& map) const {
+  constexpr size_t kLookedAt = 4;  // times the candidates
+  constexpr int kMaxRivals = 2;    // their verification takes time
+  const LoopOptions& options = context_.options.loop;
+  const auto max_candidates = static_cast<size_t>(options.max_candidates);
+  const auto candidates = index_.query(bow_of(*frame.features), kLookedAt * max_candidates);
+  std::optional<TrackedFrame> best;
+  double best_score = 0;
+  int rivals = 0;
+  for (size_t i = 0; i < candidates.size() && rivals < kMaxRivals; ++i) {
+    const auto& [keyframe, score] = candidates[i];
+    if (!best) {
+      if (i >= max_candidates) break;
+      best = locate_at(keyframe, frame, map);
+      best_score = score;
+      continue;
+    }
+    if (score < options.min_score_ratio * best_score) break;
+    if (shows_place_of(*best, keyframe, map)) continue;
+    ++rivals;
+    auto rival = locate_at(keyframe, frame, map);
+    if (!rival || agree(*best, *rival, map)) continue;
+    if (fits_better(*best, *rival)) continue;
+    if (!fits_better(*rival, *best)) return std::nullopt;
+    best = std::move(rival);
   }
-  return std::nullopt;
+  return best;
+}
+
+LocationEvidence PlaceRecognition::examine(const TrackedFrame& tracked, const Map& map,
+                                           KeyframeId end) const {
+  const auto& [sensor, options] = context_;
+  LocationEvidence evidence;
+  // Landmarks that this visit has made have the scale of its own depth.
+  if (tracked.reference < end) {
+    const LocalMap local_map = make_local_map(map, tracked.reference, options.local_map);
+    evidence.scale =
+        measure_scale({*tracked.frame, local_map, sensor, options.tracking}, tracked.T_reference_camera);
+  }
+  evidence.depths = compare_with_views(map, map.keyframe(tracked.reference).component, end,
+                                       tracked.features(), world_pose(tracked, map), sensor);
+  return evidence;
 }
 
 std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, const Map& map,
@@ -39,14 +128,14 @@ std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, co
                                                           const SE3& T_reference_camera) const {
   const auto& [sensor, options] = context_;
   const LocalMap local_map = make_local_map(map, reference, options.local_map);
-  TrackedFrame result = track_local_map({frame, local_map, sensor, options.tracking}, T_reference_camera,
-                                        options.loop.window_px);
+  const TrackingInput in{frame, local_map, sensor, options.tracking};
+  TrackedFrame result = track_local_map(in, T_reference_camera, options.loop.window_px);
   const bool confident =
       result.evidence.inliers >= options.tracking.min_confident_inliers &&
       has_sufficient_inlier_ratio(result, *frame.features, options.tracking.min_inlier_ratio);
   if (!confident) return std::nullopt;
   const SurfaceAgreement surfaces = agreement_with_reference(local_map, frame, result.T_reference_camera);
-  if (contradicts_unexpected_pose(surfaces, result, frame)) return std::nullopt;
+  if (contradicts_unexpected_pose(surfaces, result, frame) || refutes(result, in, map)) return std::nullopt;
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kinloop/loop/candidates.hpp"
+#include "kinloop/loop/location_check.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary.hpp"
@@ -20,8 +21,13 @@ class PlaceRecognition {
   /// Adds a new keyframe to the index.
   void add(const Keyframe& keyframe);
 
-  /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification.
+  /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification and
+  /// whose surroundings do not refute it. nullopt as well if another place fits the frame about as well.
   [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame, const Map& map) const;
+
+  /// Returns what a frame with descriptors says of the place where it is located, compared with the keyframes
+  /// before `end`.
+  [[nodiscard]] LocationEvidence examine(const TrackedFrame& tracked, const Map& map, KeyframeId end) const;
 
   /// Returns the pose of `frame` if it is close to T_reference_camera and many landmarks agree.
   [[nodiscard]] std::optional<TrackedFrame> locate_near(const Frame& frame, const Map& map,
@@ -34,6 +40,8 @@ class PlaceRecognition {
 
  private:
   [[nodiscard]] BowVector bow_of(const Features& features) const;
+  [[nodiscard]] std::optional<TrackedFrame> locate_at(KeyframeId candidate, const Frame& frame,
+                                                      const Map& map) const;
   [[nodiscard]] IndexedView indexed_view(const Keyframe& keyframe) const;
 
   PlaceContext context_;

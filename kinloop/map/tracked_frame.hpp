@@ -86,6 +86,8 @@ struct TrackedFrame {
   TrackingEvidence evidence;
   /// Whether the evidence is too weak to trust the pose: it may be wrong by more than its covariance says.
   bool doubtful = false;
+  /// Whether the place was recognized and later frames have not confirmed it yet; not in map files.
+  bool provisional = false;
   cv::Mat moved;  ///< the points of the surface grid that have moved, see moved_points; not in the log
   std::vector<LandmarkMatch> matches;          ///< observed landmarks
   std::vector<MatchMeasurement> measurements;  ///< of `matches`; in the log only

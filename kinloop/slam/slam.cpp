@@ -57,7 +57,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       front_end_(sensor(), options_.features),
       tracker_(sensor(), tracker_options(options_), timings_),
       keyframes_(options_.tracking.keyframe),
-      relocalizer_([this](const Frame& frame) { return places_.relocalize(frame, map_); }),
+      relocalizer_([this](const Frame& frame) { return relocalize(frame); }),
       mapper_(mapper_options(options_)),
       places_(sensor(), place_options(options_), std::move(vocabulary)),
       back_end_(map_, sensor_estimate_, back_end_options(options_)),
@@ -76,10 +76,12 @@ TrackedFrame Slam::process(const Frame& frame) {
   TrackedFrame tracked = tracker_.track(usable, context);
   if (compensate_first(tracked)) tracked = tracker_.track(usable, context);
   add_input_evidence(tracked);
+  check_location(tracked);
   if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
-    insert_keyframe(tracked);
+    check_location(tracked);
+    if (!tracked.is_lost()) insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   odometry_.update(tracked, map_);
@@ -245,7 +247,8 @@ Trajectory Slam::finish(const Progress& progress) {
   const auto anywhere = [this](const Frame& frame) {
     auto found = relocalizer_(frame);
     // No later frame confirms it.
-    if (found) found->doubtful = !is_confident(*found, *frame.features) || lacks_scale(*found, false);
+    if (found && (!is_confident(*found, *frame.features) || lacks_scale(*found, false)))
+      found->doubtful = true;
     return found;
   };
   const FrameSearch search{anywhere, [this](const Frame& frame, const TrackedFrame& neighbor) {

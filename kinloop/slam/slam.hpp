@@ -41,6 +41,23 @@ struct EarlierSessions {
   size_t frame_count = 0;  ///< number of loaded frames; they come first in the log
 };
 
+/// Where the camera was located anew, by the look of an image or after a gap, and what the frames since then
+/// say of it.
+struct LocatedPlace {
+  size_t begin = 0;  ///< of these frames in the log
+  int64_t begin_ns = 0;
+  KeyframeId end;  ///< the first keyframe made since then
+  uint32_t component = 0;
+  LocationCheck check = {};
+  std::vector<size_t> doubted = {};  ///< frames in the log that are in doubt for want of confirmation alone
+};
+
+/// A place that was refuted.
+struct RefutedPlace {
+  uint32_t component = 0;
+  int64_t refuted_ns = 0;
+};
+
 class Slam {
  public:
   /// Uses the default vocabulary. Throws UsageError if an option value is not allowed.
@@ -119,6 +136,11 @@ class Slam {
   void withdraw_fixed_region();
   [[nodiscard]] std::optional<size_t> contradicted_since() const;
   void withdraw_contradicted();
+  [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame) const;
+  [[nodiscard]] bool is_located_anew(const TrackedFrame& tracked) const;
+  void check_location(TrackedFrame& tracked);
+  void confirm_location();
+  void take_back_location(TrackedFrame& tracked);
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
@@ -163,6 +185,8 @@ class Slam {
   OnlineCovariance online_covariance_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;
+  std::optional<LocatedPlace> located_;
+  std::optional<RefutedPlace> refuted_;
   std::optional<uint32_t> visit_;  // in which the camera is; none before the first pose
   bool map_changed_ = false;       // since the last notification of the listeners
 };

@@ -41,7 +41,7 @@ uint32_t Slam::add_map(SavedMap saved) {
   if (end == 0) return shift;
   for (uint32_t id = begin; id < end; ++id) places_.add(map_.keyframe(KeyframeId{id}));
   keyframe_memory_.apply_limit(map_);
-  if (!first) join_components(begin);
+  if (!first && !options_.localize_only) join_components(begin);
   return shift;
 }
 

@@ -193,10 +193,11 @@ bool Tracker::is_reachable(const TrackedFrame& found, const Map& map) const {
   return distance_m < kMaxDrift_m + kMaxSpeed_m_s * since_s;
 }
 
-/// Whether the camera was relocalized on weak evidence, and this frame does not confirm it.
+/// Whether the camera was relocalized and this frame does not confirm it.
 bool Tracker::is_hypothesis(const TrackedFrame& tracked) const {
   const bool unexpected = tracked.outcome == TrackingOutcome::kRelocalized || hypothesis_since_ns_;
-  return tracked.is_located() && unexpected && !is_confident(tracked, tracked.features());
+  return tracked.is_located() &&
+         (tracked.provisional || (unexpected && !is_confident(tracked, tracked.features())));
 }
 
 /// Whether the camera has been lost for so long that it may be in an unmapped place. Behind something that

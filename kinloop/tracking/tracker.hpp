@@ -124,7 +124,7 @@ class Tracker {
   int lost_frames_ = 0;              // in a row
   int64_t lost_since_ns_ = 0;        // if there are any
   std::optional<int64_t> moved_ns_;  // when something moved last
-  /// Since when the camera is thought to be where it was relocalized, on weak evidence.
+  /// Since when the camera is thought to be where it was relocalized, without confirmation.
   std::optional<int64_t> hypothesis_since_ns_;
   std::optional<int64_t> doubtful_since_ns_;  // are the poses, but for lost frames
   bool previous_was_wrong_ = false;           // see `forget_motion`

@@ -1,0 +1,79 @@
+#include "kinloop/loop/location_check.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "kinloop/loop/relative_scale.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr size_t kViews = 6;
+/// Of the relative position of a frame that has just been located (1 sigma). With 1 cm, up to 18 % of the
+/// keypoints of true poses in redkitchen seem to violate free space, with 3 cm at most 1 %.
+constexpr double kPositionSigma_m = 0.03;
+
+/// How far apart two views are, 1 for each limit; more than 2 if they do not overlap.
+double difference(const SE3& T_view_camera) {
+  constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;  // of views that overlap
+  constexpr double kNone = 3;
+  const double distance_m = T_view_camera.translation.norm(), angle_rad = T_view_camera.angle_rad();
+  if (distance_m > kMaxDistance_m || angle_rad > kMaxAngle_rad) return kNone;
+  return distance_m / kMaxDistance_m + angle_rad / kMaxAngle_rad;
+}
+
+}  // namespace
+
+DepthConsistency compare_with_views(const Map& map, uint32_t component, KeyframeId end,
+                                    const Features& features, const SE3& T_world_camera,
+                                    const Sensor& sensor) {
+  std::vector<std::pair<double, KeyframeId>> views;
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (!(keyframe.id < end)) break;
+    if (keyframe.component != component || keyframe.withdrawn) continue;
+    const double away = difference(keyframe.T_world_camera.inverse() * T_world_camera);
+    if (away <= 2) views.emplace_back(away, keyframe.id);
+  }
+  const size_t count = std::min(kViews, views.size());
+  std::partial_sort(views.begin(), views.begin() + static_cast<std::ptrdiff_t>(count), views.end());
+  DepthConsistency depths;
+  for (size_t i = 0; i < count; ++i) {
+    const Keyframe& view = map.keyframe(views[i].second);
+    depths += compare_depths(*view.features, features, view.T_world_camera.inverse() * T_world_camera, sensor,
+                             kPositionSigma_m);
+  }
+  return depths;
+}
+
+void LocationCheck::add(const LocationEvidence& evidence, bool confident) {
+  constexpr size_t kLatest = 10;
+  constexpr int kMinFrames = 2, kMinConfidentFrames = 10, kMinConsistent = 300;
+  latest_.push_back(evidence);
+  if (latest_.size() > kLatest) latest_.pop_front();
+  ++frames_;
+  if (confident) ++confident_frames_;
+  if (is_refuted()) return;
+  const bool by_depth = frames_ >= kMinFrames && depths().consistent >= kMinConsistent;
+  if (by_depth || confident_frames_ >= kMinConfidentFrames) confirmed_ = true;
+}
+
+bool LocationCheck::is_refuted() const {
+  // Of true poses in redkitchen, at most 1 % in any frame; in a room's double, a quarter of the frames 6 %.
+  constexpr double kMaxViolations = 0.02;
+  return refutes_same_place(scale()) || violates_free_space(depths(), kMaxViolations);
+}
+
+DepthConsistency LocationCheck::depths() const {
+  DepthConsistency sum;
+  for (const LocationEvidence& evidence : latest_) sum += evidence.depths;
+  return sum;
+}
+
+RelativeScale LocationCheck::scale() const {
+  std::vector<RelativeScale> scales;
+  for (const LocationEvidence& evidence : latest_) scales.push_back(evidence.scale);
+  return combine(scales);
+}
+
+}  // namespace kinloop

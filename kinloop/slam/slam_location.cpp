@@ -1,0 +1,117 @@
+// A camera that was located by the look of an image, or after a gap, may be in another place that looks
+// alike. The next frames confirm where it is; until then its poses are in doubt and no keyframe is made. They
+// go on to check it, and what was made of a place that they refute is taken back.
+
+#include <utility>
+
+#include "kinloop/back_end/withdraw_keyframes.hpp"
+#include "kinloop/core/time.hpp"
+#include "kinloop/slam/slam.hpp"
+#include "kinloop/tracking/evidence/surface_evidence.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr int64_t kChecked_ns = 20 * kNsPerSecond;  // how long a place is checked after it was recognized
+constexpr int64_t kSettled_ns = 5 * kNsPerSecond;   // when it is not taken back any more because of the next
+constexpr int64_t kRefused_ns = 2 * kNsPerSecond, kSuspected_ns = 60 * kNsPerSecond;  // after it was refuted
+
+/// Whether a part of the map was refuted no longer ago than this.
+bool was_refuted(const std::optional<RefutedPlace>& refuted, uint32_t component, int64_t now_ns,
+                 int64_t duration_ns) {
+  return refuted && refuted->component == component && now_ns >= refuted->refuted_ns &&
+         now_ns - refuted->refuted_ns < duration_ns;
+}
+
+/// Whether a frame says something of its place. Once that is confirmed, what is in front of it has probably
+/// moved there, unless few landmarks agree.
+bool is_evidence(const TrackedFrame& tracked, bool confirmed) {
+  const Features* features = tracked.frame->features.get();
+  if (features == nullptr || !features->has_descriptors() || tracked.is_repeat()) return false;
+  return !confirmed || (!is_confident(tracked, *features) && tracked.evidence.moved_share == 0);
+}
+
+/// Remembers when the camera was located anew. What it is compared with is the map from before it was lost
+/// for the first time: later keyframes may be of another place.
+void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
+  if (!place) {
+    place = now;
+  } else if (place->check.is_confirmed() && now.begin_ns - place->begin_ns > kSettled_ns) {
+    place = LocatedPlace{now.begin, now.begin_ns, place->end, now.component};
+  } else {
+    place->check = {};
+  }
+}
+
+}  // namespace
+
+/// Recognizes a place, but not at once in the part of the map that has just been refuted: the frames would
+/// have to refute it again. Later, one frame is not enough there.
+std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
+  auto found = places_.relocalize(frame, map_);
+  if (!found) return std::nullopt;
+  const uint32_t component = map_.keyframe(found->reference).component;
+  if (was_refuted(refuted_, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
+  found->doubtful = was_refuted(refuted_, component, frame.stamp_ns, kSuspected_ns);
+  return found;
+}
+
+/// Whether a pose does not continue the motion before: after recognition, a loss or a gap.
+bool Slam::is_located_anew(const TrackedFrame& tracked) const {
+  constexpr int64_t kMinGap_ns = kNsPerSecond / 4;
+  constexpr int64_t kMinIntervals = 3;
+  if (tracked.outcome == TrackingOutcome::kRelocalized) return true;
+  const auto frames = session_log();
+  if (frames.empty() || frames.back().is_lost()) return true;
+  const int64_t gap_ns = tracked.stamp_ns - frames.back().stamp_ns;
+  if (frames.size() < 2 || gap_ns < kMinGap_ns) return false;
+  return gap_ns > kMinIntervals * (frames.back().stamp_ns - frames[frames.size() - 2].stamp_ns);
+}
+
+/// Checks the place of a frame in the map. The frame becomes provisional if it is not confirmed yet, and lost
+/// if it is refuted.
+void Slam::check_location(TrackedFrame& tracked) {
+  if (!tracked.is_located()) return;
+  const uint32_t component = map_.keyframe(tracked.reference).component;
+  if (located_ && (located_->component != component || tracked.stamp_ns - located_->begin_ns > kChecked_ns))
+    located_.reset();
+  const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
+  if (is_located_anew(tracked)) begin_anew(located_, {log_.size(), tracked.stamp_ns, end, component});
+  if (!located_) return;
+  LocationCheck& check = located_->check;
+  if (is_evidence(tracked, check.is_confirmed()))
+    check.add(places_.examine(tracked, map_, located_->end), is_confident(tracked, tracked.features()));
+  if (check.is_refuted()) return take_back_location(tracked);
+  // Where the camera was said to be before, and was not, it has to be seen for longer.
+  const bool too_early = was_refuted(refuted_, component, tracked.stamp_ns, kSuspected_ns) &&
+                         tracked.stamp_ns - located_->begin_ns < kRefused_ns;
+  if (check.is_confirmed() && !too_early) return confirm_location();
+  if (!tracked.doubtful) located_->doubted.push_back(log_.size());
+  tracked.provisional = tracked.doubtful = true;
+}
+
+/// Ends the doubt of the provisional frames before.
+void Slam::confirm_location() {
+  for (const size_t i : std::exchange(located_->doubted, {})) log_[i].doubtful = false;
+}
+
+/// Makes the frames since the camera was located lost and withdraws their keyframes. The camera has to be
+/// found anew, or is in a part of the world that is not mapped.
+void Slam::take_back_location(TrackedFrame& tracked) {
+  const LocatedPlace place = *std::exchange(located_, std::nullopt);
+  refuted_ = RefutedPlace{place.component, tracked.stamp_ns};
+  if (place.begin < log_.size() && withdraw_keyframes(place.begin, place.component, map_, log_))
+    map_changed_ = true;
+  const auto lose = [&](TrackedFrame& frame) {
+    if (!is_tracked_in(place.component, frame, map_)) return;
+    frame.outcome = TrackingOutcome::kLost;
+    frame.provisional = false;
+    frame.matches.clear();
+    frame.measurements.clear();
+  };
+  for (size_t i = place.begin; i < log_.size(); ++i) lose(log_[i]);
+  lose(tracked);
+  tracker_.reset();
+}
+
+}  // namespace kinloop

@@ -1,0 +1,103 @@
+#include "kinloop/loop/location_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_world.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr LocationEvidence kAgrees{{1, 0.003}, {500, 0}};
+
+LocationCheck after(int frames, const LocationEvidence& evidence, bool confident = true) {
+  LocationCheck check;
+  for (int i = 0; i < frames; ++i) check.add(evidence, confident);
+  return check;
+}
+
+TEST(LocationCheck, TwoFramesThatAgreeConfirmAPlace) {
+  EXPECT_FALSE(after(1, kAgrees).is_confirmed());
+  EXPECT_TRUE(after(2, kAgrees).is_confirmed());
+  EXPECT_FALSE(after(2, kAgrees).is_refuted());
+}
+
+TEST(LocationCheck, APlaceOfAnotherSizeIsRefuted) {
+  EXPECT_TRUE(after(1, {{1.04, 0.003}, {500, 0}}).is_refuted());
+  EXPECT_TRUE(after(1, {{0.96, 0.003}, {500, 0}}).is_refuted());
+  EXPECT_FALSE(after(1, {{1.01, 0.003}, {500, 0}}).is_refuted());
+}
+
+TEST(LocationCheck, TheScalesOfSeveralFramesTellMoreThanThatOfOne) {
+  const LocationEvidence vague{{1.04, 0.02}, {500, 0}};
+  EXPECT_FALSE(after(1, vague).is_refuted());
+  EXPECT_TRUE(after(9, vague).is_refuted());
+}
+
+TEST(LocationCheck, KeypointsInFreeSpaceRefuteAPlaceThatHadBeenConfirmed) {
+  LocationCheck check = after(5, kAgrees);
+  const LocationEvidence contradicts{{1, 0.003}, {400, 100}};
+  check.add(contradicts, true);
+  EXPECT_TRUE(check.is_refuted());
+}
+
+TEST(LocationCheck, OldFramesDoNotOutweighTheLatest) {
+  LocationCheck check = after(1000, kAgrees);
+  for (int i = 0; i < 5; ++i) check.add({{1, 0.003}, {460, 40}}, true);
+  EXPECT_TRUE(check.is_refuted());
+}
+
+TEST(LocationCheck, WithoutDepthTenConfidentFramesConfirmAPlace) {
+  EXPECT_FALSE(after(9, {}).is_confirmed());
+  EXPECT_TRUE(after(10, {}).is_confirmed());
+  EXPECT_FALSE(after(100, {}, false).is_confirmed());
+}
+
+/// Keyframes that face a wall 2 m away.
+class CompareWithViews : public testing::Test {
+ protected:
+  CompareWithViews() {
+    for (uint32_t i = 0; i < 6; ++i)
+      map_.add_keyframe(FrameId{i}, 0, test::camera_at(0, {0.1 * i, 0, 0}), view(2), 0);
+  }
+
+  static std::shared_ptr<const Features> view(double wall_m) {
+    Features features;
+    for (float y = 20; y < 470; y += 15) {
+      for (float x = 20; x < 630; x += 15) features.pixels.emplace_back(x, y);
+    }
+    features.depths_m.assign(features.size(), static_cast<float>(wall_m));
+    features.inverse_depth_gradients.assign(features.size(), Eigen::Vector2f::Zero());
+    return std::make_shared<const Features>(std::move(features));
+  }
+
+  [[nodiscard]] DepthConsistency compare(double wall_m,
+                                         const SE3& T_world_camera = test::camera_at(0, {0, 0, 0}),
+                                         uint32_t component = 0, uint32_t end = 6) const {
+    return compare_with_views(map_, component, KeyframeId{end}, *view(wall_m), T_world_camera, sensor_);
+  }
+
+  Map map_;
+  const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5, {}}};
+};
+
+TEST_F(CompareWithViews, TheSameWallAgreesAndANearerOneIsInFreeSpace) {
+  const DepthConsistency same = compare(2), nearer = compare(1.7);
+  EXPECT_GT(same.consistent, 5000);
+  EXPECT_EQ(same.free_space_violations, 0);
+  EXPECT_GT(nearer.free_space_violations, 5000);
+}
+
+TEST_F(CompareWithViews, OtherViewsSayNothing) {
+  EXPECT_EQ(compare(1.7, test::camera_at(0, {0, 0, 0}), 1).free_space_violations, 0) << "another component";
+  EXPECT_EQ(compare(1.7, test::camera_at(0, {0, 0, 0}), 0, 0).free_space_violations, 0) << "made later";
+  EXPECT_EQ(compare(1.7, test::camera_at(0, {5, 0, 0})).free_space_violations, 0) << "far away";
+  EXPECT_EQ(compare(1.7, test::camera_at(1, {0, 0, 0})).free_space_violations, 0) << "another direction";
+}
+
+TEST_F(CompareWithViews, WithdrawnKeyframesSayNothing) {
+  for (uint32_t i = 0; i < 6; ++i) map_.withdraw(KeyframeId{i});
+  EXPECT_EQ(compare(1.7).free_space_violations, 0);
+}
+
+}  // namespace
+}  // namespace kinloop
