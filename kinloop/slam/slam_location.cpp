@@ -102,15 +102,15 @@ void Slam::take_back_location(TrackedFrame& tracked) {
   refuted_ = RefutedPlace{place.component, tracked.stamp_ns};
   if (place.begin < log_.size() && withdraw_keyframes(place.begin, place.component, map_, log_))
     map_changed_ = true;
-  const auto lose = [&](TrackedFrame& frame) {
-    if (!is_tracked_in(place.component, frame, map_)) return;
+  const auto lose = [](TrackedFrame& frame) {
     frame.outcome = TrackingOutcome::kLost;
     frame.provisional = false;
     frame.matches.clear();
     frame.measurements.clear();
   };
-  for (size_t i = place.begin; i < log_.size(); ++i) lose(log_[i]);
-  lose(tracked);
+  for (size_t i = place.begin; i < log_.size(); ++i)
+    if (is_tracked_in(place.component, log_[i], map_)) lose(log_[i]);
+  lose(tracked);  // also if its reference has been withdrawn
   tracker_.reset();
 }
 
