@@ -31,6 +31,11 @@ bool is_evidence(const TrackedFrame& tracked, bool confirmed) {
   return !confirmed || (!is_confident(tracked, *features) && tracked.evidence.moved_share == 0);
 }
 
+/// Whether a place has been checked for long enough; never before it is confirmed.
+bool is_done(const LocatedPlace& place, int64_t now_ns) {
+  return place.check.is_confirmed() && now_ns - place.begin_ns > kChecked_ns;
+}
+
 /// Remembers when the camera was located anew. What it is compared with is the map from before it was lost
 /// for the first time: later keyframes may be of another place.
 void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
@@ -40,6 +45,7 @@ void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
     place = LocatedPlace{now.begin, now.begin_ns, place->end, now.component};
   } else {
     place->check = {};
+    place->begin_ns = now.begin_ns;
   }
 }
 
@@ -73,7 +79,7 @@ bool Slam::is_located_anew(const TrackedFrame& tracked) const {
 void Slam::check_location(TrackedFrame& tracked) {
   if (!tracked.is_located()) return;
   const uint32_t component = map_.keyframe(tracked.reference).component;
-  if (located_ && (located_->component != component || tracked.stamp_ns - located_->begin_ns > kChecked_ns))
+  if (located_ && (located_->component != component || is_done(*located_, tracked.stamp_ns)))
     located_.reset();
   const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
   if (is_located_anew(tracked)) begin_anew(located_, {log_.size(), tracked.stamp_ns, end, component});
