@@ -31,6 +31,11 @@ bool is_evidence(const TrackedFrame& tracked, bool confirmed) {
   return !confirmed || (!is_confident(tracked, *features) && tracked.evidence.moved_share == 0);
 }
 
+/// Whether a place has been checked for long enough; never before it is confirmed.
+bool is_done(const LocatedPlace& place, int64_t now_ns) {
+  return place.check.is_confirmed() && now_ns - place.begin_ns > kChecked_ns;
+}
+
 /// Remembers when the camera was located anew. What it is compared with is the map from before it was lost
 /// for the first time: later keyframes may be of another place.
 void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
@@ -40,6 +45,7 @@ void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
     place = LocatedPlace{now.begin, now.begin_ns, place->end, now.component};
   } else {
     place->check = {};
+    place->begin_ns = now.begin_ns;
   }
 }
 
@@ -58,14 +64,10 @@ std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
 
 /// Whether a pose does not continue the motion before: after recognition, a loss or a gap.
 bool Slam::is_located_anew(const TrackedFrame& tracked) const {
-  constexpr int64_t kMinGap_ns = kNsPerSecond / 4;
-  constexpr int64_t kMinIntervals = 3;
+  constexpr int64_t kMinGap_ns = 2 * kNsPerSecond;  // in less time nobody is carried to another place
   if (tracked.outcome == TrackingOutcome::kRelocalized) return true;
   const auto frames = session_log();
-  if (frames.empty() || frames.back().is_lost()) return true;
-  const int64_t gap_ns = tracked.stamp_ns - frames.back().stamp_ns;
-  if (frames.size() < 2 || gap_ns < kMinGap_ns) return false;
-  return gap_ns > kMinIntervals * (frames.back().stamp_ns - frames[frames.size() - 2].stamp_ns);
+  return frames.empty() || frames.back().is_lost() || tracked.stamp_ns - frames.back().stamp_ns > kMinGap_ns;
 }
 
 /// Checks the place of a frame in the map. The frame becomes provisional if it is not confirmed yet, and lost
@@ -73,7 +75,7 @@ bool Slam::is_located_anew(const TrackedFrame& tracked) const {
 void Slam::check_location(TrackedFrame& tracked) {
   if (!tracked.is_located()) return;
   const uint32_t component = map_.keyframe(tracked.reference).component;
-  if (located_ && (located_->component != component || tracked.stamp_ns - located_->begin_ns > kChecked_ns))
+  if (located_ && (located_->component != component || is_done(*located_, tracked.stamp_ns)))
     located_.reset();
   const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
   if (is_located_anew(tracked)) begin_anew(located_, {log_.size(), tracked.stamp_ns, end, component});
