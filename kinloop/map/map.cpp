@@ -44,6 +44,10 @@ void Map::append(MapData parts) {
   }
   component_count_ += parts.component_count;
   check_appended(first_keyframe, first_landmark);
+  for (size_t i = first_keyframe; i < keyframes_.size(); ++i) covisibility_.add_keyframe();
+  for (size_t i = first_landmark; i < landmarks_.size(); ++i) {
+    if (landmarks_[i]) covisibility_.add(landmarks_[i]->observations);
+  }
   advance_epoch();  // work in flight does not include it
 }
 
@@ -83,6 +87,7 @@ KeyframeId Map::add_keyframe(FrameId frame, int64_t stamp_ns, const SE3& T_world
                         .T_world_camera = T_world_camera,
                         .features = std::move(features),
                         .landmark_of = std::move(landmark_of)});
+  covisibility_.add_keyframe();
   return id;
 }
 
@@ -105,6 +110,7 @@ bool Map::add_observation(LandmarkId id, const Observation& observation) {
   if (keyframe.landmark_of[observation.feature].valid()) return false;
   const auto same_keyframe = [&](const Observation& other) { return other.keyframe == observation.keyframe; };
   if (std::any_of(landmark.observations.begin(), landmark.observations.end(), same_keyframe)) return false;
+  covisibility_.add(observation.keyframe, landmark.observations);
   landmark.observations.push_back(observation);
   keyframe.landmark_of[observation.feature] = id;
   return true;
@@ -158,6 +164,7 @@ void Map::remove_observation(LandmarkId id, Observation observation) {
   require(found != landmark.observations.end(), "remove_observation: no such observation");
   if (landmark.observations.size() == 1) return erase(id);
   landmark.observations.erase(found);
+  covisibility_.remove(observation.keyframe, landmark.observations);
   keyframe_ref(observation.keyframe).landmark_of[observation.feature] = LandmarkId{};
   if (landmark.anchor == observation.keyframe) move_anchor(landmark);
 }
@@ -169,9 +176,10 @@ void Map::move_anchor(Landmark& landmark) {
 }
 
 void Map::erase(LandmarkId id) {
-  for (const auto& [observer, feature] : landmark_ref(id).observations) {
+  const auto& observations = landmark(id).observations;
+  for (const auto& [observer, feature] : observations)
     keyframe_ref(observer).landmark_of[feature] = LandmarkId{};
-  }
+  covisibility_.remove(observations);
   landmarks_[id.value].reset();
   --landmark_count_;
 }
@@ -303,25 +311,8 @@ Eigen::Vector3d Map::p_world(LandmarkId id) const {
 }
 
 std::vector<std::pair<KeyframeId, int>> Map::covisible_keyframes(KeyframeId id, int min_shared) const {
-  // Of a large map, only a part is counted: from the first to the last keyframe that shares a landmark.
-  std::vector<uint32_t> observers;
-  for (const LandmarkId seen : keyframe(id).landmark_of) {
-    if (!seen.valid()) continue;
-    for (const auto& observation : landmark(seen).observations)
-      observers.push_back(observation.keyframe.value);
-  }
-  std::vector<std::pair<KeyframeId, int>> neighbours;
-  if (observers.empty()) return neighbours;
-  const auto [first, last] = std::minmax_element(observers.begin(), observers.end());
-  std::vector<int> shared(*last - *first + 1, 0);
-  for (const uint32_t observer : observers) ++shared[observer - *first];
-  shared[id.value - *first] = 0;
-  for (uint32_t i = 0; i < shared.size(); ++i) {
-    if (shared[i] >= std::max(min_shared, 1)) neighbours.emplace_back(KeyframeId{*first + i}, shared[i]);
-  }
-  std::stable_sort(neighbours.begin(), neighbours.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  return neighbours;
+  require(contains(id), "covisible_keyframes: no such keyframe");
+  return covisibility_.neighbours(id, std::max(min_shared, 1));
 }
 
 void Map::check_invariants() const {

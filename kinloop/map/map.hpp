@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "kinloop/map/covisibility.hpp"
 #include "kinloop/map/keyframe.hpp"
 #include "kinloop/map/loop_closure.hpp"
 #include "kinloop/map/map_update.hpp"
@@ -152,6 +153,7 @@ class Map {
 
   std::vector<Keyframe> keyframes_;                 // index = id
   std::vector<std::optional<Landmark>> landmarks_;  // index = id; nullopt if erased
+  Covisibility covisibility_;
   /// What a landmark was merged into, and one of its observers then.
   struct Merged {
     LandmarkId into;

@@ -252,6 +252,8 @@ TEST(MapLaws, CovisibilityCountsSharedLandmarksInBothDirections) {
       ids.erase(LandmarkId{});
       return ids;
     };
+    Map restored;
+    restored.append(map.data());
     for (const Keyframe& a : map.keyframes()) {
       std::map<KeyframeId, int> expected;
       for (const Keyframe& b : map.keyframes()) {
@@ -261,6 +263,7 @@ TEST(MapLaws, CovisibilityCountsSharedLandmarksInBothDirections) {
       }
       const auto found = map.covisible_keyframes(a.id, 1);
       EXPECT_EQ((std::map<KeyframeId, int>(found.begin(), found.end())), expected);
+      EXPECT_EQ(restored.covisible_keyframes(a.id, 1), found);
       for (size_t i = 1; i < found.size(); ++i) {
         EXPECT_TRUE(found[i - 1].second > found[i].second ||
                     (found[i - 1].second == found[i].second && found[i - 1].first < found[i].first));
