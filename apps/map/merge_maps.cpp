@@ -31,7 +31,7 @@ MergedMaps merge_maps(const MergeRequest& request, const Progress& progress) {
   load_images(reader_a, path_a, slam.add_map(std::move(a)), *merged.recorder);
   const size_t before = slam.map().loop_closures().size() + b.map.loop_closures.size();
   const uint32_t shift = slam.add_map(std::move(b));
-  merged.first_of_b = FrameId(shift);
+  merged.first_of_b = FrameId{shift};
   load_images(reader_b, path_b, shift, *merged.recorder);
   merged.loops_between = slam.map().loop_closures().size() - before;
   slam.finish(progress);
