@@ -49,7 +49,6 @@ struct LocatedPlace {
   KeyframeId end;  ///< the first keyframe made since then
   uint32_t component = 0;
   LocationCheck check = {};
-  std::vector<size_t> doubted = {};  ///< frames in the log that are in doubt for want of confirmation alone
 };
 
 /// A place that was refuted.
@@ -139,7 +138,6 @@ class Slam {
   [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame) const;
   [[nodiscard]] bool is_located_anew(const TrackedFrame& tracked) const;
   void check_location(TrackedFrame& tracked);
-  void confirm_location();
   void take_back_location(TrackedFrame& tracked);
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;

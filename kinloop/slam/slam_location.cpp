@@ -87,14 +87,7 @@ void Slam::check_location(TrackedFrame& tracked) {
   // Where the camera was said to be before, and was not, it has to be seen for longer.
   const bool too_early = was_refuted(refuted_, component, tracked.stamp_ns, kSuspected_ns) &&
                          tracked.stamp_ns - located_->begin_ns < kRefused_ns;
-  if (check.is_confirmed() && !too_early) return confirm_location();
-  if (!tracked.doubtful) located_->doubted.push_back(log_.size());
-  tracked.provisional = tracked.doubtful = true;
-}
-
-/// Ends the doubt of the provisional frames before.
-void Slam::confirm_location() {
-  for (const size_t i : std::exchange(located_->doubted, {})) log_[i].doubtful = false;
+  if (!check.is_confirmed() || too_early) tracked.provisional = tracked.doubtful = true;
 }
 
 /// Makes the frames since the camera was located lost and withdraws their keyframes. The camera has to be
