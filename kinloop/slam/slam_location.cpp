@@ -2,6 +2,7 @@
 // alike. The next frames confirm where it is; until then its poses are in doubt and no keyframe is made. They
 // go on to check it, and what was made of a place that they refute is taken back.
 
+#include <algorithm>
 #include <utility>
 
 #include "kinloop/back_end/withdraw_keyframes.hpp"
@@ -62,12 +63,13 @@ std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
   return found;
 }
 
-/// Whether a pose does not continue the motion before: after recognition, a loss or a gap.
+/// Whether the camera may have been carried to another place since the last frame with a pose.
 bool Slam::is_located_anew(const TrackedFrame& tracked) const {
-  constexpr int64_t kMinGap_ns = 2 * kNsPerSecond;  // in less time nobody is carried to another place
-  if (tracked.outcome == TrackingOutcome::kRelocalized) return true;
+  constexpr int64_t kCarried_ns = 2 * kNsPerSecond;
   const auto frames = session_log();
-  return frames.empty() || frames.back().is_lost() || tracked.stamp_ns - frames.back().stamp_ns > kMinGap_ns;
+  const auto last =
+      std::find_if(frames.rbegin(), frames.rend(), [](const TrackedFrame& f) { return !f.is_lost(); });
+  return last == frames.rend() || tracked.stamp_ns - last->stamp_ns > kCarried_ns;
 }
 
 /// Checks the place of a frame in the map. The frame becomes provisional if it is not confirmed yet, and lost

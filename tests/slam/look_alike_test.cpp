@@ -40,11 +40,11 @@ Visits visit(double scale, int frames) {
   return visit;
 }
 
-/// The first visit and, after a gap of a second, the first frames of the second.
+/// The first visit and, after a gap of three seconds, the first frames of the second.
 Visits both_visits(Second second) {
   Visits visits = visit(1, kFirst);
   Visits later = second == Second::kSmallerDouble ? visit(0.9, kSecond) : visits;
-  const int64_t begin_ns = visits.frames.back().stamp_ns + kNsPerSecond;
+  const int64_t begin_ns = visits.frames.back().stamp_ns + 3 * kNsPerSecond;
   for (int i = 0; i < kSecond; ++i) {
     Frame frame = later.frames[static_cast<size_t>(i)];
     if (second == Second::kScaledDepth) frame.depth_m = cv::Mat(frame.depth_m * 0.9);  // not in place
@@ -101,7 +101,7 @@ Found found_by_localization(const Visits& visits) {
 TEST(LookAlike, ALostCameraIsFoundInItsRoom) {
   const Visits visits = both_visits(Second::kSameRoom);
   for (const Found& found : {found_by_mapping(visits), found_by_localization(visits)}) {
-    EXPECT_EQ(found.trusted, kSecond);
+    EXPECT_GE(found.trusted, kSecond - 1);  // the first one has yet to be confirmed
     EXPECT_LT(found.worst_m, 0.05);
   }
 }
