@@ -4,11 +4,19 @@
 #include <utility>
 
 namespace kinloop {
+namespace {
+
+/// Gives all dense results the limits of the dense map.
+RunOptions with_dense_limits(RunOptions options, const DepthLimits& limits) {
+  options.dense.limits = options.mesh.limits = options.occupancy.limits = options.viewer.limits = limits;
+  return options;
+}
+
+}  // namespace
 
 RunOptions run_options_with(RunOptions options, std::span<const std::string> assignments) {
   options = with_assignments(options, assignments);
-  options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
-  return options;
+  return with_dense_limits(options, options.dense.limits);
 }
 
 RunOptions with_memory_limit(RunOptions options, int memory_mib) {
@@ -26,9 +34,9 @@ bool assigns(std::span<const std::string> assignments, std::string_view key) {
 }
 
 RunOptions with_minimum_depth(RunOptions options, double min_depth_m) {
-  options.dense.limits.min_depth_m = min_depth_m;
-  options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
-  return options;
+  DepthLimits limits = options.dense.limits;
+  limits.min_depth_m = min_depth_m;
+  return with_dense_limits(std::move(options), limits);
 }
 
 RunOptions with_sensor_range(RunOptions options, const DepthSensor& sensor,
@@ -39,9 +47,7 @@ RunOptions with_sensor_range(RunOptions options, const DepthSensor& sensor,
 }
 
 RunOptions within_range(RunOptions options, const DepthSensor& sensor) {
-  options.dense.limits = within_range(options.dense.limits, sensor);
-  options.mesh.limits = options.occupancy.limits = options.viewer.limits = options.dense.limits;
-  return options;
+  return with_dense_limits(options, within_range(options.dense.limits, sensor));
 }
 
 }  // namespace kinloop

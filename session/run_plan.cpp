@@ -73,28 +73,27 @@ SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
   return source;
 }
 
-/// A smaller minimum than usual where most depth of `first_frames` is nearer; nullopt if not, or if the user
-/// chose one or named the sensor.
-std::optional<double> minimum_of_near_scene_m(DepthLimits limits, const FrameSource& source,
-                                              const std::deque<Frame>& first_frames,
-                                              const RunSettings& settings) {
-  const RgbdCamera& camera = source.camera();
-  if (camera.sensor.origin == SensorOrigin::kCameraFile || assigns(settings.assignments, "dense.min_depth_m"))
-    return std::nullopt;
-  if (camera.sensor.origin == SensorOrigin::kSource) limits.min_depth_m = camera.sensor.min_depth_m;
-  const auto near_m = near_minimum_m(first_frames, limits, camera.depth_scale);
-  if (near_m)
-    log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
-              source.info().name, limits.min_depth_m, *near_m, limits.min_depth_m);
-  return near_m;
-}
-
 /// Options for the frames of `source`: of live ones, results are applied when ready, unless the user chose
 /// otherwise.
 RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
   if (source.info().live && !assigns(settings.assignments, "executor.mode"))
     options.slam.executor.mode = ExecutorMode::kLive;
   return with_sensor_range(std::move(options), source.camera().sensor, settings.assignments);
+}
+
+/// Options with a smaller minimum than usual where most depth of `first_frames` is nearer, unless the user
+/// chose one or named the sensor.
+RunOptions with_near_minimum(RunOptions options, const FrameSource& source,
+                             const std::deque<Frame>& first_frames, const RunSettings& settings) {
+  const RgbdCamera& camera = source.camera();
+  if (camera.sensor.origin == SensorOrigin::kCameraFile || assigns(settings.assignments, "dense.min_depth_m"))
+    return options;
+  const double usual_m = options.dense.limits.min_depth_m;
+  const auto near_m = near_minimum_m(first_frames, options.dense.limits, camera.depth_scale);
+  if (!near_m) return options;
+  log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
+            source.info().name, usual_m, *near_m, usual_m);
+  return with_minimum_depth(std::move(options), *near_m);
 }
 
 }  // namespace
@@ -129,8 +128,7 @@ RunPlan plan_run(const RunRequest& request) {
   constexpr size_t kFirstFrames = 10;
   const size_t ahead = is_camera_or_stream(request.sequence) ? 0 : kFirstFrames;
   auto peeked = std::make_unique<PeekedSource>(std::move(source), ahead);
-  const auto near_m =
-      minimum_of_near_scene_m(setup.options.dense.limits, *peeked, peeked->first_frames(), request.settings);
+  const std::deque<Frame>& first_frames = peeked->first_frames();  // stays, whatever is put around it
   source = std::move(peeked);
   const PacedSource* paced = nullptr;
   if (request.pace_hz > 0) {
@@ -139,7 +137,7 @@ RunPlan plan_run(const RunRequest& request) {
     source = std::move(owner);
   }
   setup.options = options_for(*source, std::move(setup.options), request.settings);
-  if (near_m) setup.options = with_minimum_depth(std::move(setup.options), *near_m);
+  setup.options = with_near_minimum(std::move(setup.options), *source, first_frames, request.settings);
   RgbdCamera camera = setup.start ? setup.start->adapt(source->camera()) : source->camera();
   auto memory = request.remember ? sensor_memory_of(source->info()) : std::nullopt;
   if (memory) camera = memory->recall(camera);

@@ -105,9 +105,9 @@ void add_map_diff_command(CLI::App& map) {
   command->add_flag("--json", arguments->as_json, "print the list as JSON");
   add_quiet_option(*command, arguments->quiet);
   command->footer(
-      "The maps are joined as by 'kinloop map merge'. Something counts as gone if B saw through its place; "
-      "where\n"
-      "B did not look, nothing is said. Changes of less than some 5 cm in depth or 300 cm² are not found.\n\n"
+      "The maps are joined as by 'kinloop map merge'. Something counts as gone if B saw\n"
+      "through its place; where B did not look, nothing is said. Changes of less than\n"
+      "some 5 cm in depth or 300 cm² are not found.\n\n"
       "Examples:\n"
       "  kinloop map diff monday tuesday -o diff.ply\n"
       "  kinloop map diff monday tuesday --json");

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "kinloop/loop/view_difference.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -9,17 +11,13 @@ constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the r
 
 /// The keyframe of a component whose view is nearest to a pose; nullopt if none overlaps.
 const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_world_camera) {
-  constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;  // of views that overlap
   const Keyframe* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Keyframe& keyframe : map.keyframes()) {
     if (keyframe.component != component) continue;
-    const SE3 T_keyframe_camera = keyframe.T_world_camera.inverse() * T_world_camera;
-    const double distance_m = T_keyframe_camera.translation.norm(), angle_rad = T_keyframe_camera.angle_rad();
-    if (distance_m > kMaxDistance_m || angle_rad > kMaxAngle_rad) continue;
-    const double difference = distance_m / kMaxDistance_m + angle_rad / kMaxAngle_rad;
-    if (difference >= least) continue;
-    least = difference;
+    const auto difference = view_difference(keyframe.T_world_camera.inverse() * T_world_camera);
+    if (!difference || *difference >= least) continue;
+    least = *difference;
     nearest = &keyframe;
   }
   return nearest;

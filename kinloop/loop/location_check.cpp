@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinloop/loop/relative_scale.hpp"
+#include "kinloop/loop/view_difference.hpp"
 
 namespace kinloop {
 namespace {
@@ -13,15 +14,6 @@ constexpr size_t kViews = 6;
 /// Of the relative position of a frame that has just been located (1 sigma). With 1 cm, up to 18 % of the
 /// keypoints of true poses in redkitchen seem to violate free space, with 3 cm at most 1 %.
 constexpr double kPositionSigma_m = 0.03;
-
-/// How far apart two views are, 1 for each limit; more than 2 if they do not overlap.
-double difference(const SE3& T_view_camera) {
-  constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;  // of views that overlap
-  constexpr double kNone = 3;
-  const double distance_m = T_view_camera.translation.norm(), angle_rad = T_view_camera.angle_rad();
-  if (distance_m > kMaxDistance_m || angle_rad > kMaxAngle_rad) return kNone;
-  return distance_m / kMaxDistance_m + angle_rad / kMaxAngle_rad;
-}
 
 }  // namespace
 
@@ -32,8 +24,8 @@ DepthConsistency compare_with_views(const Map& map, uint32_t component, Keyframe
   for (const Keyframe& keyframe : map.keyframes()) {
     if (!(keyframe.id < end)) break;
     if (keyframe.component != component || keyframe.withdrawn) continue;
-    const double away = difference(keyframe.T_world_camera.inverse() * T_world_camera);
-    if (away <= 2) views.emplace_back(away, keyframe.id);
+    const auto away = view_difference(keyframe.T_world_camera.inverse() * T_world_camera);
+    if (away) views.emplace_back(*away, keyframe.id);
   }
   const size_t count = std::min(kViews, views.size());
   std::partial_sort(views.begin(), views.begin() + static_cast<std::ptrdiff_t>(count), views.end());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/loop/wall_view.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop {
@@ -14,18 +15,8 @@ class TwoVisits : public testing::Test {
     const uint32_t component = map_.component_count();
     for (uint32_t i = 0; i < 6; ++i) {
       const SE3 T_world_camera = test::camera_at(0, {0.5 * i, 0, 0});
-      map_.add_keyframe(FrameId{10 * component + i}, 0, T_world_camera, view(wall_m), component);
+      map_.add_keyframe(FrameId{10 * component + i}, 0, T_world_camera, test::wall_view(wall_m), component);
     }
-  }
-
-  static std::shared_ptr<const Features> view(double wall_m) {
-    Features features;
-    for (float y = 20; y < 470; y += 15) {
-      for (float x = 20; x < 630; x += 15) features.pixels.emplace_back(x, y);
-    }
-    features.depths_m.assign(features.size(), static_cast<float>(wall_m));
-    features.inverse_depth_gradients.assign(features.size(), Eigen::Vector2f::Zero());
-    return std::make_shared<const Features>(std::move(features));
   }
 
   /// Compares them if the first keyframes of both are at one place.

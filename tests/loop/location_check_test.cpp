@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/loop/wall_view.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop {
@@ -57,23 +58,14 @@ class CompareWithViews : public testing::Test {
  protected:
   CompareWithViews() {
     for (uint32_t i = 0; i < 6; ++i)
-      map_.add_keyframe(FrameId{i}, 0, test::camera_at(0, {0.1 * i, 0, 0}), view(2), 0);
-  }
-
-  static std::shared_ptr<const Features> view(double wall_m) {
-    Features features;
-    for (float y = 20; y < 470; y += 15) {
-      for (float x = 20; x < 630; x += 15) features.pixels.emplace_back(x, y);
-    }
-    features.depths_m.assign(features.size(), static_cast<float>(wall_m));
-    features.inverse_depth_gradients.assign(features.size(), Eigen::Vector2f::Zero());
-    return std::make_shared<const Features>(std::move(features));
+      map_.add_keyframe(FrameId{i}, 0, test::camera_at(0, {0.1 * i, 0, 0}), test::wall_view(2), 0);
   }
 
   [[nodiscard]] DepthConsistency compare(double wall_m,
                                          const SE3& T_world_camera = test::camera_at(0, {0, 0, 0}),
                                          uint32_t component = 0, uint32_t end = 6) const {
-    return compare_with_views(map_, component, KeyframeId{end}, *view(wall_m), T_world_camera, sensor_);
+    return compare_with_views(map_, component, KeyframeId{end}, *test::wall_view(wall_m), T_world_camera,
+                              sensor_);
   }
 
   Map map_;

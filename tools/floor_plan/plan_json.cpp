@@ -1,7 +1,6 @@
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
+#include "kinloop/core/text/rounded_number.hpp"
 #include "tools/floor_plan/draw_plan.hpp"
 
 namespace kinloop {
@@ -9,28 +8,22 @@ namespace {
 
 using nlohmann::json;
 
-/// Rounds to tenths of millimetres.
-double rounded(double value) {
-  constexpr double kUnits = 1e4;
-  return std::round(value * kUnits) / kUnits;
-}
-
 json point(const Eigen::Vector2d& p) {
-  return {rounded(p.x()), rounded(p.y())};
+  return {rounded_number(p.x()), rounded_number(p.y())};
 }
 
 json wall_json(const PlanWall& wall) {
   json openings = json::array();
   for (const PlanOpening& opening : wall.openings) {
     openings.push_back({{"kind", to_string(opening.kind)},
-                        {"begin_m", rounded(opening.begin_m)},
-                        {"end_m", rounded(opening.end_m)},
-                        {"width_m", rounded(opening.end_m - opening.begin_m)}});
+                        {"begin_m", rounded_number(opening.begin_m)},
+                        {"end_m", rounded_number(opening.end_m)},
+                        {"width_m", rounded_number(opening.end_m - opening.begin_m)}});
   }
   return {{"from", point(wall.from_m)},
           {"to", point(wall.to_m)},
-          {"length_m", rounded(wall.length_m())},
-          {"observed", rounded(wall.observed)},
+          {"length_m", rounded_number(wall.length_m())},
+          {"observed", rounded_number(wall.observed)},
           {"openings", openings}};
 }
 
@@ -41,16 +34,17 @@ json to_json(const FloorPlan& plan) {
   for (const PlanRoom& room : plan.rooms) {
     json walls = json::array();
     for (const PlanWall& wall : room.walls) walls.push_back(wall_json(wall));
-    rooms.push_back(
-        {{"area_m2", rounded(room.area_m2)}, {"perimeter_m", rounded(room.perimeter_m)}, {"walls", walls}});
+    rooms.push_back({{"area_m2", rounded_number(room.area_m2)},
+                     {"perimeter_m", rounded_number(room.perimeter_m)},
+                     {"walls", walls}});
   }
   for (const PlanPolygon& polygon : plan.objects) {
     json corners = json::array();
     for (const Eigen::Vector2d& corner : polygon) corners.push_back(point(corner));
     objects.push_back(corners);
   }
-  return {{"floor_z_m", rounded(plan.floor_z_m)},
-          {"ceiling_height_m", plan.ceiling_m ? json(rounded(*plan.ceiling_m)) : json()},
+  return {{"floor_z_m", rounded_number(plan.floor_z_m)},
+          {"ceiling_height_m", plan.ceiling_m ? json(rounded_number(*plan.ceiling_m)) : json()},
           {"rooms", rooms},
           {"objects", objects}};
 }

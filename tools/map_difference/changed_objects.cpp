@@ -11,7 +11,6 @@
 namespace kinloop {
 namespace {
 
-constexpr double kVoxel_m = 0.05;
 /// Smaller groups are mostly edges that two visits saw from different sides.
 constexpr size_t kLeastVoxels = 12;
 
@@ -21,7 +20,7 @@ constexpr double kSizeRatio = 2, kSpreadRatio = 1.35, kSpread_m = 0.03, kColor =
 using VoxelCorner = std::tuple<int, int, int>;
 
 VoxelCorner voxel_at(const Eigen::Vector3f& p_world) {
-  const Eigen::Vector3i corner = (p_world / static_cast<float>(kVoxel_m)).array().floor().cast<int>();
+  const Eigen::Vector3i corner = (p_world / static_cast<float>(kGroupVoxel_m)).array().floor().cast<int>();
   return {corner.x(), corner.y(), corner.z()};
 }
 

@@ -6,13 +6,21 @@
 
 namespace kinloop {
 
+/// Edge of the voxels in which changed points are grouped.
+constexpr double kGroupVoxel_m = 0.05;
+
 /// Points of one visit that changed and are connected.
 struct PointGroup {
   std::vector<uint32_t> points;                        ///< indices into the cloud
-  size_t voxels = 0;                                   ///< occupied, of 5 cm: about the size of the surface
+  size_t voxels = 0;                                   ///< occupied, of kGroupVoxel_m
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< mean of the points, world
   Eigen::Vector3d spread_m = Eigen::Vector3d::Zero();  ///< standard deviations along its axes, largest first
   Eigen::Vector3d color = Eigen::Vector3d::Zero();     ///< mean red, green, blue, 0 to 255
+
+  /// Returns about the size of the surface.
+  [[nodiscard]] double surface_m2() const {
+    return static_cast<double>(voxels) * (kGroupVoxel_m * kGroupVoxel_m);
+  }
 };
 
 /// Returns the groups of at least some 300 cm^2, the largest first.

@@ -4,16 +4,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kinloop/core/text/rounded_number.hpp"
+
 namespace kinloop {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kVoxelArea_m2 = 0.05 * 0.05;  // of the voxels of a PointGroup
-
-double surface_m2(const PointGroup& group) {
-  return static_cast<double>(group.voxels) * kVoxelArea_m2;
-}
+constexpr double kMmPerM = 1e3;
 
 /// Adds the groups that no pair has.
 void add_unpaired(ObjectChange change, const std::vector<PointGroup>& groups,
@@ -21,7 +19,7 @@ void add_unpaired(ObjectChange change, const std::vector<PointGroup>& groups,
                   std::vector<ChangedObject>& objects) {
   for (size_t i = 0; i < groups.size(); ++i) {
     if (std::ranges::any_of(moved, [=](const MovedPair& pair) { return pair.*side == i; })) continue;
-    objects.push_back({change, groups[i].center_m, groups[i].center_m, surface_m2(groups[i])});
+    objects.push_back({change, groups[i].center_m, groups[i].center_m, groups[i].surface_m2()});
   }
 }
 
@@ -46,9 +44,8 @@ void append(const ColoredCloud& cloud, const std::vector<PointChange>& changes, 
 }
 
 json position(const Eigen::Vector3d& p_file) {
-  constexpr double kPerM = 1e3;
   json coordinates = json::array();
-  for (const double value : p_file) coordinates.push_back(std::round(value * kPerM) / kPerM);
+  for (const double value : p_file) coordinates.push_back(rounded_number(value, kMmPerM));
   return coordinates;
 }
 
@@ -84,7 +81,7 @@ MapDifference compare_visits_of_place(const Visit& before, const Visit& after,
   const auto moved = find_moved(gone, added);
   for (const MovedPair& pair : moved) {
     const PointGroup &from = gone[pair.before], &to = added[pair.after];
-    difference.objects.push_back({ObjectChange::kMoved, from.center_m, to.center_m, surface_m2(from)});
+    difference.objects.push_back({ObjectChange::kMoved, from.center_m, to.center_m, from.surface_m2()});
   }
   add_unpaired(ObjectChange::kGone, gone, moved, &MovedPair::before, difference.objects);
   add_unpaired(ObjectChange::kAdded, added, moved, &MovedPair::after, difference.objects);
@@ -104,10 +101,10 @@ json to_json(const MapDifference& difference, const Eigen::Quaterniond& R_file_w
   for (const ChangedObject& object : difference.objects) {
     json entry = {{"change", to_string(object.change)},
                   {"center_m", position(R_file_world * object.center_m)},
-                  {"surface_m2", std::round(object.surface_m2 * 1e4) / 1e4}};
+                  {"surface_m2", rounded_number(object.surface_m2)}};
     if (object.change == ObjectChange::kMoved) {
       entry["moved_to_m"] = position(R_file_world * object.moved_to_m);
-      entry["moved_by_m"] = std::round((object.moved_to_m - object.center_m).norm() * 1e3) / 1e3;
+      entry["moved_by_m"] = rounded_number((object.moved_to_m - object.center_m).norm(), kMmPerM);
     }
     objects.push_back(entry);
   }

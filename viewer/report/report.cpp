@@ -1,6 +1,5 @@
 #include "viewer/report/report.hpp"
 
-#include <cmath>
 #include <set>
 
 #include <Eigen/Eigenvalues>
@@ -9,6 +8,7 @@
 #include "kinloop/core/files/embedded_file.hpp"
 #include "kinloop/core/text/base64.hpp"
 #include "kinloop/core/text/json.hpp"
+#include "kinloop/core/text/rounded_number.hpp"
 #include "kinloop/core/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/report_text.hpp"
@@ -20,12 +20,6 @@ namespace kinloop {
 namespace {
 
 using nlohmann::json;
-
-/// Keeps enough digits for a plot, to reduce the file size.
-double rounded(double value) {
-  constexpr double kSteps = 1e4;
-  return std::round(kSteps * value) / kSteps;
-}
 
 /// Rows: the direction of largest horizontal extent, across it, up.
 Eigen::Matrix3d plot_axes(const Trajectory& path, const Eigen::Vector3d& up) {
@@ -53,10 +47,10 @@ json path_json(const Trajectory& path, const SE3& T_plot_world, int64_t start_ns
   json columns = {{"t", json::array()}, {"x", json::array()}, {"y", json::array()}, {"z", json::array()}};
   for (const StampedPose& pose : path) {
     const Eigen::Vector3d p = T_plot_world * pose.T_world_camera.translation;
-    columns["t"].push_back(rounded(to_seconds(pose.stamp_ns - start_ns)));
-    columns["x"].push_back(rounded(p.x()));
-    columns["y"].push_back(rounded(p.y()));
-    columns["z"].push_back(rounded(p.z()));
+    columns["t"].push_back(rounded_number(to_seconds(pose.stamp_ns - start_ns)));
+    columns["x"].push_back(rounded_number(p.x()));
+    columns["y"].push_back(rounded_number(p.y()));
+    columns["z"].push_back(rounded_number(p.z()));
   }
   return columns;
 }
@@ -65,8 +59,8 @@ json errors_json(const AteResult& ate, int64_t start_ns) {
   constexpr double kMmPerM = 1000;
   json columns = {{"t", json::array()}, {"mm", json::array()}};
   for (const PoseError& pose : ate.poses) {
-    columns["t"].push_back(rounded(to_seconds(pose.stamp_ns - start_ns)));
-    columns["mm"].push_back(rounded(kMmPerM * pose.error_m));
+    columns["t"].push_back(rounded_number(to_seconds(pose.stamp_ns - start_ns)));
+    columns["mm"].push_back(rounded_number(kMmPerM * pose.error_m));
   }
   return columns;
 }
@@ -78,11 +72,11 @@ json frames_json(const FrameTable& frames, int64_t start_ns) {
                   {"tracked", json::array()},
                   {"ms", json::array()}};
   for (const FrameRow& row : frames) {
-    columns["t"].push_back(rounded(to_seconds(row.stamp_ns - start_ns)));
+    columns["t"].push_back(rounded_number(to_seconds(row.stamp_ns - start_ns)));
     columns["status"].push_back(row.status);
     columns["features"].push_back(row.features);
     columns["tracked"].push_back(row.tracked);
-    columns["ms"].push_back(rounded(row.ms));
+    columns["ms"].push_back(rounded_number(row.ms));
   }
   return columns;
 }

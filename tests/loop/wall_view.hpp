@@ -1,0 +1,21 @@
+#pragma once
+// What a camera of 640 x 480 pixels sees of a wall that faces it.
+
+#include <memory>
+
+#include "kinloop/features/features.hpp"
+
+namespace kinloop::test {
+
+/// Returns keypoints all over the image, at the depth of the wall.
+inline std::shared_ptr<const Features> wall_view(double wall_m) {
+  Features features;
+  for (float y = 20; y < 470; y += 15) {
+    for (float x = 20; x < 630; x += 15) features.pixels.emplace_back(x, y);
+  }
+  features.depths_m.assign(features.size(), static_cast<float>(wall_m));
+  features.inverse_depth_gradients.assign(features.size(), Eigen::Vector2f::Zero());
+  return std::make_shared<const Features>(std::move(features));
+}
+
+}  // namespace kinloop::test
