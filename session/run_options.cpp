@@ -16,7 +16,8 @@ RunOptions with_dense_limits(RunOptions options, const DepthLimits& limits) {
 
 RunOptions run_options_with(RunOptions options, std::span<const std::string> assignments) {
   options = with_assignments(options, assignments);
-  return with_dense_limits(options, options.dense.limits);
+  const DepthLimits limits = options.dense.limits;
+  return with_dense_limits(std::move(options), limits);
 }
 
 RunOptions with_memory_limit(RunOptions options, int memory_mib) {
@@ -47,7 +48,8 @@ RunOptions with_sensor_range(RunOptions options, const DepthSensor& sensor,
 }
 
 RunOptions within_range(RunOptions options, const DepthSensor& sensor) {
-  return with_dense_limits(options, within_range(options.dense.limits, sensor));
+  const DepthLimits limits = within_range(options.dense.limits, sensor);
+  return with_dense_limits(std::move(options), limits);
 }
 
 }  // namespace kinloop
