@@ -81,7 +81,7 @@ TrackedFrame Slam::process(const Frame& frame) {
   if (auto selected = select_keyframe(tracked)) {
     tracked = *std::move(selected);
     check_location(tracked);
-    if (!tracked.is_lost()) insert_keyframe(tracked);
+    if (!tracked.is_lost() && !tracked.doubtful) insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   odometry_.update(tracked, map_);

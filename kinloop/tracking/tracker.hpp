@@ -88,6 +88,8 @@ class Tracker {
   [[nodiscard]] bool is_in_long_doubt(const TrackedFrame& tracked) const;
   [[nodiscard]] std::optional<TrackedFrame> find_elsewhere(const TrackedFrame& tracked, Frame measured,
                                                            const TrackingContext& context) const;
+  [[nodiscard]] std::optional<TrackedFrame> start_map_after_doubt(const TrackedFrame& tracked, Frame frame,
+                                                                  const Sensor& sensor) const;
   [[nodiscard]] Frame without_moved(const Frame& frame) const;
   void find_moved(TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] bool repeats_previous_image(const Frame& frame) const;

@@ -1,6 +1,7 @@
 // Outcomes of the tracker: Tracked, Relocalized, NewMap and Lost.
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "kinloop/loop/place_recognition.hpp"
 #include "kinloop/map/frame_log.hpp"
@@ -148,6 +149,23 @@ TEST_F(TrackerOutcome, AWeakRelocalizationThatNothingConfirmsIsGivenUp) {
   EXPECT_TRUE(latest.is_lost());
 }
 
+TEST_F(TrackerOutcome, WhereHardlyAnyLandmarkInViewIsFoundThePoseIsInDoubt) {
+  constexpr size_t kFound = 40;
+  world_ = test::make_world(20000, 1);
+  build_map();
+  show(pose(1.5));
+  test::SyntheticView view = test::observe(world_, pose(1.55), {}, 100 + id_);
+  ASSERT_GT(view.features->size(), kFound * 100 / 8);
+  Features hidden = *view.features;
+  hidden.descriptors = hidden.descriptors.clone();
+  cv::randu(hidden.descriptors.rowRange(kFound, hidden.descriptors.rows), 0, 256);
+  view.features = std::make_shared<const Features>(std::move(hidden));
+  const TrackedFrame latest = show(view);
+  ASSERT_TRUE(latest.is_located());
+  EXPECT_GE(latest.evidence.inliers, 15);
+  EXPECT_TRUE(latest.doubtful);
+}
+
 /// The camera turns away from the map, held by keypoints of the previous frame that are no landmarks, and
 /// back.
 TEST_F(TrackerOutcome, AfterAPoseOfAFewLandmarksAFewMoreAreInDoubtToo) {
@@ -166,6 +184,21 @@ TEST_F(TrackerOutcome, AfterAPoseOfAFewLandmarksAFewMoreAreInDoubtToo) {
   }
   EXPECT_TRUE(few_in_doubt);
   EXPECT_GE(latest.evidence.inliers, 30);
+}
+
+/// Held by keypoints of the previous frame, it could stay in doubt for ever.
+TEST_F(TrackerOutcome, ACameraThatStaysInDoubtBesideTheMapStartsANewMap) {
+  build_map();
+  show(pose(1.5));
+  relocalize_ = [](const Frame&) { return std::nullopt; };
+  const auto turned = [](double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); };
+  double angle_rad = 0.05;
+  TrackedFrame latest = show(turned(angle_rad));
+  while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+  const int64_t doubtful_since_ns = latest.stamp_ns;
+  while (latest.doubtful && id_ < 400) latest = show(turned(angle_rad));
+  EXPECT_EQ(latest.outcome, TrackingOutcome::kNewMap);
+  EXPECT_GE(latest.stamp_ns - doubtful_since_ns, 5'000'000'000);
 }
 
 TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
