@@ -1,13 +1,13 @@
 #include "apps/run/run_summary.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
 
 #include "apps/run/depth_noise_scale.hpp"
+#include "apps/run/loops_json.hpp"
 #include "apps/shared/version.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
@@ -33,23 +33,6 @@ std::string lasting_input_name(const std::string& input) {
   const std::string name = input_name(input);
   if (name != "." && name != "..") return input;
   return std::filesystem::weakly_canonical(input).string();
-}
-
-json loop_json(const LoopClosure& loop, const Map& map) {
-  const RelativeScale& scale = loop.evidence.scale;
-  return {{"stamp_a", format_stamp(map.keyframe(loop.a).stamp_ns)},
-          {"stamp_b", format_stamp(map.keyframe(loop.b).stamp_ns)},
-          {"inliers", loop.evidence.inliers},
-          {"support", loop.support},
-          {"scale", std::isfinite(scale.sigma) ? json(scale.factor) : json(nullptr)},
-          {"status", name_of(loop.stage)},
-          {"reason", name_of(loop.reason)}};
-}
-
-json loops_json(const std::vector<LoopClosure>& loops, const Map& map) {
-  json all = json::array();
-  for (const LoopClosure& loop : loops) all.push_back(loop_json(loop, map));
-  return all;
 }
 
 json options_json(RunOptions options) {

@@ -22,6 +22,7 @@ namespace {
 using test::kBadInput;
 using test::kWrongUse;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kSmall = " --set sim.frames=20 --set sim.width=160 --set sim.height=120 -q ";
 
@@ -309,6 +310,28 @@ TEST_F(MapCommand, MapsOfTwoPlacesAreNotCompared) {
   EXPECT_EQ(run("map diff -q " + ran() + " " + at("elsewhere") + " -o " + at("none.ply")), kBadInput);
   EXPECT_THAT(err_, HasSubstr("no place of"));
   EXPECT_FALSE(std::filesystem::exists(at("none.ply")));
+}
+
+TEST_F(MapCommand, LocatesASequenceAmongSeveralMaps) {
+  test::write_room(at("here"), "--frames 20");
+  test::write_room(at("elsewhere"), "--seed 5 --frames 20");
+  for (const char* room : {"here", "elsewhere"})
+    ASSERT_EQ(run("run " + at(room) + " -q -o " + at(std::string(room) + "_map")), 0) << err_;
+  ASSERT_EQ(run("map locate " + at("here") + " " + at("elsewhere_map") + " " + at("here_map")), 0) << err_;
+  EXPECT_THAT(err_, HasSubstr("of 20 frames located in 2 map(s)"));
+  int here = 0;
+  for (const TextLine& line : read_table(folder_->write("located.txt", out_))) {
+    if (line.fields[1] == "unknown") continue;
+    ASSERT_EQ(line.fields.size(), 9U);
+    EXPECT_EQ(line.fields.back(), at("here_map/map.kinmap"));
+    ++here;
+  }
+  EXPECT_GE(here, 18);
+  ASSERT_EQ(run("map locate -q " + at("here") + " " + at("elsewhere_map")), 0) << err_;
+  EXPECT_EQ(err_, "");
+  EXPECT_THAT(out_, Not(HasSubstr("kinmap"))) << "in no map that is given";
+  EXPECT_EQ(run("map locate " + at("here")), kWrongUse);
+  EXPECT_EQ(run("map locate " + at("here") + " " + at("absent.kinmap")), kBadInput);
 }
 
 /// Numbers of the images of a COLMAP model that observe points.
