@@ -86,9 +86,10 @@ void DenseRecorder::submit(FrameId now) {
     std::vector<EncodedFrame> done;
     for (const PendingFrame& keyframe : pending) {
       StoredImages images = encode_images(keyframe.color, keyframe.depth_m, store);
+      done.push_back({keyframe.frame, std::move(images.encoded)});
       // From what a map file stores, so that a saved map gives the same cloud as its run.
-      const ImageSurfels surfels = extract_surfels(images.decoded, lens, options);
-      done.push_back({keyframe.frame, std::move(images.encoded), to_bytes(surfels)});
+      if (!options.surfels_at_end)
+        done.back().surfels = to_bytes(extract_surfels(images.decoded, lens, options));
     }
     return [this, done = std::move(done)]() mutable { add(std::move(done)); };
   };
@@ -98,7 +99,8 @@ void DenseRecorder::submit(FrameId now) {
 void DenseRecorder::add(std::vector<EncodedFrame> frames) {
   for (EncodedFrame& frame : frames) {
     images_.add(frame.images);
-    recorded_.push_back({frame.frame, surfel_store_.add(std::move(frame.surfels))});
+    recorded_.push_back({frame.frame, {}});
+    if (frame.surfels) recorded_.back().surfels = surfel_store_.add(*std::move(frame.surfels));
   }
 }
 

@@ -98,11 +98,11 @@ class DenseRecorder : public Listener {
   struct EncodedFrame {
     FrameId frame;
     EncodedImages images;
-    std::vector<uint8_t> surfels;  // serialised with `to_bytes`
+    std::optional<std::vector<uint8_t>> surfels = {};  // serialised with `to_bytes`
   };
   struct RecordedImage {
     FrameId frame;
-    std::optional<size_t> surfels;  // index into surfel_store_; unset for restored images until computed
+    std::optional<size_t> surfels;  // index into surfel_store_; unset until computed
   };
 
   [[nodiscard]] bool should_record(const TrackedFrame& tracked) const;

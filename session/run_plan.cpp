@@ -15,6 +15,7 @@
 #include "session/masked_source.hpp"
 #include "session/near_range.hpp"
 #include "session/open_frame_source.hpp"
+#include "session/work_budget.hpp"
 
 namespace kinloop {
 namespace {
@@ -33,6 +34,13 @@ void require_available(PoseGraphSolver solver) {
       "solver {}: not available in this build; use builtin or ceres, or omit --solver", name_of(solver)));
 }
 
+RunOptions within_budget(const RunOptions& options, double percent) {
+  const WorkLevel& level = work_level(percent);
+  if (level.percent > percent)
+    log::warn("--budget {}: the least work takes about {} % of a core at 30 Hz", percent, level.percent);
+  return run_options_with(options, level.assignments);
+}
+
 RunOptions options_of(const RunSettings& settings, const std::optional<ContinuedMap>& start, int threads) {
   RunOptions options;
   if (start) options = restore_options(start->saved, start->path, "features.");
@@ -40,6 +48,7 @@ RunOptions options_of(const RunSettings& settings, const std::optional<Continued
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = settings.localize;
   if (settings.memory_mib > 0) options = with_memory_limit(options, settings.memory_mib);
+  if (settings.budget_percent > 0) options = within_budget(options, settings.budget_percent);
   options = run_options_with(options, settings.assignments);
   if (start && options.slam.features.kind != features)
     throw UsageError(fmt::format("features.kind: must be {}, as in the loaded map", name_of(features)));

@@ -27,6 +27,7 @@ struct RunSettings {
   std::string vocabulary;          ///< a file; empty: the built-in
   int threads = 0;                 ///< 0: all
   int memory_mib = 0;              ///< 0: that of the options
+  double budget_percent = 0;       ///< of one core, see work_level; 0: no limit
   bool no_loop = false;
   std::string solver;                    ///< of the pose graph; empty: that of the options
   std::vector<std::string> assignments;  ///< key=value

@@ -90,6 +90,13 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
                   "number of threads, 0 = all; does not affect the results")
       ->check(whole_number(0, 1024));
   command
+      .add_option(
+          "--budget", arguments.request.settings.budget_percent,
+          "percent of one core to keep the rate of a camera with, at 30 Hz: does less for each frame,\n"
+          "which costs accuracy; --set prevails. See docs/tune.md")
+      ->option_text("PERCENT")
+      ->check(number(1, 10000));
+  command
       .add_option("--pace", arguments.request.pace_hz,
                   "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
                   "and background results are applied when ready (executor.mode=live)")

@@ -46,6 +46,7 @@ struct DenseOptions {
   bool carve = true;
   bool compensate_exposure = true;
   int frame_step = 0;
+  bool surfels_at_end = false;
   int jpeg_quality = 95;
   int image_memory_mib = 64;
   int surfel_memory_mib = 0;
@@ -64,6 +65,9 @@ struct DenseOptions {
           "compensate changes of exposure and white balance between images");
     visit("frame_step", self.frame_step, "also fuse every n-th frame; 0: only where keyframes are sparse",
           Range{0, 10000});
+    visit("surfels_at_end", self.surfels_at_end,
+          "compute the surfels of images when the cloud is made, not during the run; does not affect the "
+          "results");
     visit("jpeg_quality", self.jpeg_quality, "JPEG quality of the stored colour images", Range{50, 100},
           Expert{});
     visit("image_memory_mib", self.image_memory_mib,

@@ -119,6 +119,16 @@ TEST(DenseRecorder, ExecutionModeDoesNotMatter) {
   }
 }
 
+TEST(DenseRecorder, SurfelsAtTheEndGiveTheSameCloud) {
+  DenseRecorder during(camera(), {});
+  show_wall(during, 30, 3);
+  DenseOptions options;
+  options.surfels_at_end = true;
+  DenseRecorder at_end(camera(), options);
+  show_wall(at_end, 30, 3);
+  expect_same(cloud_of(at_end, 0, 2), cloud_of(during, 0, 1));
+}
+
 TEST(DenseRecorder, KeepsAllFramesUnderBackpressure) {
   DenseOptions all;
   all.frame_step = 1;

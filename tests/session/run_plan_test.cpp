@@ -43,6 +43,14 @@ TEST(RunPlan, FlagsPrevailOverAssignments) {
   EXPECT_EQ(options.slam.loop.pose_graph.solver, PoseGraphSolver::kBuiltin);
 }
 
+TEST(RunPlan, AssignmentsPrevailOverTheBudget) {
+  RunRequest request = small_room();
+  request.settings.budget_percent = 1;
+  EXPECT_LT(set_up_run(request.settings).options.slam.features.count, SlamOptions().features.count);
+  request.settings.assignments.emplace_back("features.count=1234");
+  EXPECT_EQ(set_up_run(request.settings).options.slam.features.count, 1234);
+}
+
 TEST(RunPlan, ResultsOfPacedFramesAreAppliedWhenReadyUnlessTheUserChoseOtherwise) {
   RunRequest request = small_room();
   request.pace_hz = 1000;
