@@ -6,12 +6,13 @@ namespace kinloop {
 
 const std::vector<WorkLevel>& work_levels() {
   static const std::vector<WorkLevel> levels{
-      {25, {}},
+      {24, {}},
       {20, {"dense.surfels_at_end=true"}},
-      {17, {"dense.surfels_at_end=true", "features.count=800", "local_map.max_landmarks=1000"}},
-      {14,
-       {"dense.surfels_at_end=true", "features.count=700", "local_map.max_landmarks=700",
-        "mapping.triangulation_keyframes=0"}}};
+      {18, {"dense.surfels_at_end=true", "features.count=800", "local_map.max_landmarks=2000"}},
+      {15,
+       {"dense.surfels_at_end=true", "features.count=600", "local_map.max_landmarks=1200",
+        "tracking.keyframe.max_relative_translation=0.11", "tracking.keyframe.max_rotation_rad=0.27",
+        "mapping.triangulation_keyframes=2", "mapping.local_ba_keyframes=8"}}};
   return levels;
 }
 
