@@ -20,7 +20,10 @@ Map two_keyframes() {
 }
 
 LoopClosure loop(LoopStage stage, LoopReason reason) {
-  LoopClosure loop{.a = KeyframeId{0}, .b = KeyframeId{1}, .evidence = {.inliers = 42}};
+  LoopClosure loop;
+  loop.a = KeyframeId{0};
+  loop.b = KeyframeId{1};
+  loop.evidence.inliers = 42;
   loop.stage = stage;
   loop.reason = reason;
   loop.support = 2;
