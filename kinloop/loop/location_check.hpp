@@ -15,11 +15,14 @@ namespace kinloop {
 struct LocationEvidence {
   RelativeScale scale;  ///< of the landmarks there, relative to the depth of the frame; unknown by default
   DepthConsistency depths;  ///< with the views of the map around the pose
+  /// Of finding so few keypoints in some region of the image, see `appearance_p_value`: the second smallest
+  /// of the three nearest views, so that one of them may show something that has moved since.
+  double appearance_p_value = 1;
 };
 
 /// Compares the keypoints of a frame at `T_world_camera` with the nearest views of a component, of its
-/// keyframes before `end`. Views more than 1 m or .7 rad away say nothing.
-DepthConsistency compare_with_views(const Map& map, uint32_t component, KeyframeId end,
+/// keyframes before `end`. Views more than 1 m or .7 rad away say nothing. The scale is left unknown.
+LocationEvidence compare_with_views(const Map& map, uint32_t component, KeyframeId end,
                                     const Features& features, const SE3& T_world_camera,
                                     const Sensor& sensor);
 
@@ -29,8 +32,8 @@ class LocationCheck {
   /// Adds a frame. `confident` tells whether many landmarks agree with its pose.
   void add(const LocationEvidence& evidence, bool confident);
 
-  /// Returns whether the camera is elsewhere: the place has another size, or the latest frames lie in free
-  /// space of the map.
+  /// Returns whether the camera is elsewhere: the place has another size, the latest frames lie in free
+  /// space of the map, or in most of them a part of the view looks different.
   [[nodiscard]] bool is_refuted() const;
 
   /// Returns whether two frames agree with the place; once true, it remains so. Without depth, nothing but
@@ -40,6 +43,7 @@ class LocationCheck {
  private:
   [[nodiscard]] DepthConsistency depths() const;
   [[nodiscard]] RelativeScale scale() const;
+  [[nodiscard]] bool looks_different() const;
 
   std::deque<LocationEvidence> latest_;
   int frames_ = 0, confident_frames_ = 0;

@@ -43,11 +43,11 @@ bool fits_better(const TrackedFrame& pose, const TrackedFrame& other) {
 
 /// Whether the frame itself refutes the pose that was found for it.
 bool refutes(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
+  LocationEvidence evidence = compare_with_views(map, map.keyframe(found.reference).component, end_of(map),
+                                                 *in.frame.features, world_pose(found, map), in.sensor);
+  evidence.scale = measure_scale(in, found.T_reference_camera);
   LocationCheck check;
-  check.add({measure_scale(in, found.T_reference_camera),
-             compare_with_views(map, map.keyframe(found.reference).component, end_of(map), *in.frame.features,
-                                world_pose(found, map), in.sensor)},
-            false);
+  check.add(evidence, false);
   return check.is_refuted();
 }
 
@@ -111,15 +111,14 @@ std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, con
 LocationEvidence PlaceRecognition::examine(const TrackedFrame& tracked, const Map& map,
                                            KeyframeId end) const {
   const auto& [sensor, options] = context_;
-  LocationEvidence evidence;
+  LocationEvidence evidence = compare_with_views(map, map.keyframe(tracked.reference).component, end,
+                                                 tracked.features(), world_pose(tracked, map), sensor);
   // Landmarks that this visit has made have the scale of its own depth.
   if (tracked.reference < end) {
     const LocalMap local_map = make_local_map(map, tracked.reference, options.local_map);
     evidence.scale =
         measure_scale({*tracked.frame, local_map, sensor, options.tracking}, tracked.T_reference_camera);
   }
-  evidence.depths = compare_with_views(map, map.keyframe(tracked.reference).component, end,
-                                       tracked.features(), world_pose(tracked, map), sensor);
   return evidence;
 }
 

@@ -8,7 +8,7 @@
 namespace kinloop {
 namespace {
 
-constexpr LocationEvidence kAgrees{{1, 0.003}, {500, 0}};
+constexpr LocationEvidence kAgrees{{1, 0.003}, {500, 0}, 1};
 
 LocationCheck after(int frames, const LocationEvidence& evidence, bool confident = true) {
   LocationCheck check;
@@ -23,27 +23,37 @@ TEST(LocationCheck, TwoFramesThatAgreeConfirmAPlace) {
 }
 
 TEST(LocationCheck, APlaceOfAnotherSizeIsRefuted) {
-  EXPECT_TRUE(after(1, {{1.04, 0.003}, {500, 0}}).is_refuted());
-  EXPECT_TRUE(after(1, {{0.96, 0.003}, {500, 0}}).is_refuted());
-  EXPECT_FALSE(after(1, {{1.01, 0.003}, {500, 0}}).is_refuted());
+  EXPECT_TRUE(after(1, {{1.04, 0.003}, {500, 0}, 1}).is_refuted());
+  EXPECT_TRUE(after(1, {{0.96, 0.003}, {500, 0}, 1}).is_refuted());
+  EXPECT_FALSE(after(1, {{1.01, 0.003}, {500, 0}, 1}).is_refuted());
 }
 
 TEST(LocationCheck, TheScalesOfSeveralFramesTellMoreThanThatOfOne) {
-  const LocationEvidence vague{{1.04, 0.02}, {500, 0}};
+  const LocationEvidence vague{{1.04, 0.02}, {500, 0}, 1};
   EXPECT_FALSE(after(1, vague).is_refuted());
   EXPECT_TRUE(after(9, vague).is_refuted());
 }
 
 TEST(LocationCheck, KeypointsInFreeSpaceRefuteAPlaceThatHadBeenConfirmed) {
   LocationCheck check = after(5, kAgrees);
-  const LocationEvidence contradicts{{1, 0.003}, {400, 100}};
+  const LocationEvidence contradicts{{1, 0.003}, {400, 100}, 1};
   check.add(contradicts, true);
   EXPECT_TRUE(check.is_refuted());
 }
 
 TEST(LocationCheck, OldFramesDoNotOutweighTheLatest) {
   LocationCheck check = after(1000, kAgrees);
-  for (int i = 0; i < 5; ++i) check.add({{1, 0.003}, {460, 40}}, true);
+  for (int i = 0; i < 5; ++i) check.add({{1, 0.003}, {460, 40}, 1}, true);
+  EXPECT_TRUE(check.is_refuted());
+}
+
+TEST(LocationCheck, APlaceThatLooksDifferentInMostFramesIsRefuted) {
+  const LocationEvidence different{{1, 0.003}, {500, 0}, 1e-4};
+  EXPECT_TRUE(after(1, different).is_refuted());
+  LocationCheck check = after(1, kAgrees);
+  check.add(different, true);
+  EXPECT_FALSE(check.is_refuted());
+  check.add(different, true);
   EXPECT_TRUE(check.is_refuted());
 }
 
@@ -61,7 +71,7 @@ class CompareWithViews : public testing::Test {
       map_.add_keyframe(FrameId{i}, 0, test::camera_at(0, {0.1 * i, 0, 0}), test::wall_view(2), 0);
   }
 
-  [[nodiscard]] DepthConsistency compare(double wall_m,
+  [[nodiscard]] LocationEvidence compare(double wall_m,
                                          const SE3& T_world_camera = test::camera_at(0, {0, 0, 0}),
                                          uint32_t component = 0, uint32_t end = 6) const {
     return compare_with_views(map_, component, KeyframeId{end}, *test::wall_view(wall_m), T_world_camera,
@@ -73,22 +83,35 @@ class CompareWithViews : public testing::Test {
 };
 
 TEST_F(CompareWithViews, TheSameWallAgreesAndANearerOneIsInFreeSpace) {
-  const DepthConsistency same = compare(2), nearer = compare(1.7);
+  const DepthConsistency same = compare(2).depths, nearer = compare(1.7).depths;
   EXPECT_GT(same.consistent, 5000);
   EXPECT_EQ(same.free_space_violations, 0);
   EXPECT_GT(nearer.free_space_violations, 5000);
 }
 
+TEST_F(CompareWithViews, APictureThatHangsElsewhereLooksDifferent) {
+  Features other = *test::wall_view(2);
+  other.descriptors.rowRange(0, other.descriptors.rows / 4) = 255;
+  const auto evidence_of = [&](const Features& features) {
+    return compare_with_views(map_, 0, KeyframeId{6}, features, test::camera_at(0, {0, 0, 0}), sensor_);
+  };
+  EXPECT_LT(evidence_of(other).appearance_p_value, 1e-4);
+  EXPECT_GT(evidence_of(*test::wall_view(2)).appearance_p_value, 0.5);
+}
+
 TEST_F(CompareWithViews, OtherViewsSayNothing) {
-  EXPECT_EQ(compare(1.7, test::camera_at(0, {0, 0, 0}), 1).free_space_violations, 0) << "another component";
-  EXPECT_EQ(compare(1.7, test::camera_at(0, {0, 0, 0}), 0, 0).free_space_violations, 0) << "made later";
-  EXPECT_EQ(compare(1.7, test::camera_at(0, {5, 0, 0})).free_space_violations, 0) << "far away";
-  EXPECT_EQ(compare(1.7, test::camera_at(1, {0, 0, 0})).free_space_violations, 0) << "another direction";
+  EXPECT_EQ(compare(1.7, test::camera_at(0, {0, 0, 0}), 1).depths.free_space_violations, 0)
+      << "another component";
+  EXPECT_EQ(compare(1.7, test::camera_at(0, {0, 0, 0}), 0, 0).depths.free_space_violations, 0)
+      << "made later";
+  EXPECT_EQ(compare(1.7, test::camera_at(0, {5, 0, 0})).depths.free_space_violations, 0) << "far away";
+  EXPECT_EQ(compare(1.7, test::camera_at(1, {0, 0, 0})).depths.free_space_violations, 0)
+      << "another direction";
 }
 
 TEST_F(CompareWithViews, WithdrawnKeyframesSayNothing) {
   for (uint32_t i = 0; i < 6; ++i) map_.withdraw(KeyframeId{i});
-  EXPECT_EQ(compare(1.7).free_space_violations, 0);
+  EXPECT_EQ(compare(1.7).depths.free_space_violations, 0);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace kinloop::test {
 
-/// Returns keypoints all over the image, at the depth of the wall.
+/// Returns keypoints all over the image, at the depth of the wall, that all look the same.
 inline std::shared_ptr<const Features> wall_view(double wall_m) {
   Features features;
   for (float y = 20; y < 470; y += 15) {
@@ -15,6 +15,8 @@ inline std::shared_ptr<const Features> wall_view(double wall_m) {
   }
   features.depths_m.assign(features.size(), static_cast<float>(wall_m));
   features.inverse_depth_gradients.assign(features.size(), Eigen::Vector2f::Zero());
+  features.levels.assign(features.size(), 0);
+  features.descriptors = cv::Mat::zeros(static_cast<int>(features.size()), 32, CV_8UC1);
   return std::make_shared<const Features>(std::move(features));
 }
 
