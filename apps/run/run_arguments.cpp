@@ -61,6 +61,26 @@ void add_input_arguments(CLI::App& command, RunRequest& request) {
                      "For masks of single frames see docs/recordings.md");
 }
 
+/// How much work is done at a time.
+void add_speed_arguments(CLI::App& command, RunRequest& request) {
+  command
+      .add_option("--threads", request.settings.threads,
+                  "number of threads, 0 = all; does not affect the results")
+      ->check(whole_number(0, 1024));
+  command
+      .add_option(
+          "--budget", request.settings.budget_percent,
+          "percent of one core to keep the rate of a camera with, at 30 Hz: does less for each frame,\n"
+          "which costs accuracy; --set prevails. See docs/tune.md")
+      ->option_text("PERCENT")
+      ->check(number(1, 10000));
+  command
+      .add_option("--pace", request.pace_hz,
+                  "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
+                  "and background results are applied when ready (executor.mode=live)")
+      ->check(number(0.1, 1000));
+}
+
 }  // namespace
 
 void add_run_arguments(CLI::App& command, RunArguments& arguments) {
@@ -85,22 +105,7 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   add_set_option(command, arguments.request.settings.assignments, "set an option, key=value; see --options");
   command.add_flag("--options", arguments.list_options,
                    "list the options of --set and exit; --options=all: list the expert options, too");
-  command
-      .add_option("--threads", arguments.request.settings.threads,
-                  "number of threads, 0 = all; does not affect the results")
-      ->check(whole_number(0, 1024));
-  command
-      .add_option(
-          "--budget", arguments.request.settings.budget_percent,
-          "percent of one core to keep the rate of a camera with, at 30 Hz: does less for each frame,\n"
-          "which costs accuracy; --set prevails. See docs/tune.md")
-      ->option_text("PERCENT")
-      ->check(number(1, 10000));
-  command
-      .add_option("--pace", arguments.request.pace_hz,
-                  "replay at this rate, Hz, like a live camera: late frames are dropped,\n"
-                  "and background results are applied when ready (executor.mode=live)")
-      ->check(number(0.1, 1000));
+  add_speed_arguments(command, arguments.request);
   command.add_flag(
       "--no-remember", [&arguments](int64_t) { arguments.request.remember = false; },
       "do not use or update what earlier runs estimated of a live camera: its readout time and depth\n"
