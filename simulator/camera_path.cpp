@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
+constexpr double kRate_hz = 60, kFirstStamp_s = 1, kHandHeight_m = 1.45;  // of the built-in paths
 
 /// 3 s^2 - 2 s^3: from 0 to 1 with zero slope at the ends.
 double smoothstep(double s) {
@@ -45,6 +46,25 @@ class SmoothNoise {
   };
   std::vector<Swing> swings_;
 };
+
+/// How a walking person's hand moves a camera.
+struct Hand {
+  explicit Hand(Random& random)
+      : x(0.03, random),
+        y(0.03, random),
+        z(0.022, random),
+        yaw(5 * kDegree, random),
+        pitch(4 * kDegree, random),
+        roll(1.5 * kDegree, random) {}
+
+  SmoothNoise x, y, z, yaw, pitch, roll;
+};
+
+/// The direction of an angle about the vertical and one above the horizontal.
+Eigen::Vector3d direction(double heading_rad, double slope_rad) {
+  return {std::cos(slope_rad) * std::cos(heading_rad), std::cos(slope_rad) * std::sin(heading_rad),
+          std::sin(slope_rad)};
+}
 
 /// Camera at `position` looking along `forward`, rolled by `roll_rad`; z is up.
 SE3 looking(const Eigen::Vector3d& position, const Eigen::Vector3d& forward, double roll_rad) {
@@ -101,26 +121,50 @@ SE3 CameraPath::at(int64_t stamp_ns) const {
 }
 
 Trajectory handheld_path(uint64_t seed, double seconds) {
-  constexpr double kDuration_s = 18.7, kRate_hz = 60, kFirstStamp_s = 1;
-  constexpr double kRadius_x_m = 1.45, kRadius_y_m = 1.0, kHeight_m = 1.45;
+  constexpr double kDuration_s = 18.7;
+  constexpr double kRadius_x_m = 1.45, kRadius_y_m = 1.0;
   constexpr double kOverlap_rad = 0.3;
   Random random(hash(seed, 0x9a7b));
-  const SmoothNoise x(0.03, random), y(0.03, random), z(0.022, random);
-  const SmoothNoise yaw(5 * kDegree, random), pitch(4 * kDegree, random), roll(1.5 * kDegree, random);
+  const Hand hand(random);
   const double start_rad = random.uniform(0, 2 * kPi);
   Trajectory poses;
   const int count = static_cast<int>((seconds > 0 ? seconds : kDuration_s) * kRate_hz);
   for (int i = 0; i <= count; ++i) {
     const double t = i / kRate_hz;
     const double turn = start_rad + (2 * kPi + kOverlap_rad) * t / kDuration_s;
-    const Eigen::Vector3d position(kRadius_x_m * std::cos(turn) + x.at(t),
-                                   kRadius_y_m * std::sin(turn) + y.at(t), kHeight_m + z.at(t));
+    const Eigen::Vector3d position(kRadius_x_m * std::cos(turn) + hand.x.at(t),
+                                   kRadius_y_m * std::sin(turn) + hand.y.at(t), kHandHeight_m + hand.z.at(t));
     // Looks outwards and slightly ahead and down, at times up the walls and down to the floor.
-    const double heading = turn + 20 * kDegree + yaw.at(t) + 9 * kDegree * std::sin(4.3 * (turn - start_rad));
-    const double slope = -13 * kDegree + pitch.at(t) + 7 * kDegree * std::sin(3 * (turn - start_rad));
-    const Eigen::Vector3d forward(std::cos(slope) * std::cos(heading), std::cos(slope) * std::sin(heading),
-                                  std::sin(slope));
-    poses.push_back({to_ns(t + kFirstStamp_s), looking(position, forward, roll.at(t))});
+    const double heading =
+        turn + 20 * kDegree + hand.yaw.at(t) + 9 * kDegree * std::sin(4.3 * (turn - start_rad));
+    const double slope = -13 * kDegree + hand.pitch.at(t) + 7 * kDegree * std::sin(3 * (turn - start_rad));
+    poses.push_back(
+        {to_ns(t + kFirstStamp_s), looking(position, direction(heading, slope), hand.roll.at(t))});
+  }
+  return poses;
+}
+
+Trajectory corridor_path(uint64_t seed, double seconds) {
+  constexpr double kLength_m = 14, kPace_m_s = 0.9, kTurn_s = 3, kLeg_s = kLength_m / kPace_m_s;
+  constexpr double kAside_rad = 40 * kDegree, kAsidePeriod_s = 5;
+  Random random(hash(seed, 0x9a7c));
+  const Hand hand(random);
+  Trajectory poses;
+  const int count = static_cast<int>((seconds > 0 ? seconds : 2 * kLeg_s + kTurn_s) * kRate_hz);
+  for (int i = 0; i <= count; ++i) {
+    const double t = i / kRate_hz;
+    const double in_round_s = std::fmod(t, 2 * (kLeg_s + kTurn_s));
+    const bool back = in_round_s > kLeg_s + kTurn_s;
+    const double in_leg_s = back ? in_round_s - kLeg_s - kTurn_s : in_round_s;
+    const double walked = std::min(in_leg_s / kLeg_s, 1.0);
+    const double turned = smoothstep(std::clamp((in_leg_s - kLeg_s) / kTurn_s, 0.0, 1.0));
+    const Eigen::Vector3d position((back ? 0.5 - walked : walked - 0.5) * kLength_m + hand.x.at(t),
+                                   hand.y.at(t), kHandHeight_m + hand.z.at(t));
+    const double heading = kPi * (turned + (back ? 1 : 0)) + hand.yaw.at(t) +
+                           kAside_rad * std::sin(2 * kPi * t / kAsidePeriod_s);
+    const double slope = -8 * kDegree + hand.pitch.at(t);
+    poses.push_back(
+        {to_ns(t + kFirstStamp_s), looking(position, direction(heading, slope), hand.roll.at(t))});
   }
   return poses;
 }

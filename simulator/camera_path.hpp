@@ -32,6 +32,10 @@ class CameraPath {
 /// the loop. With `seconds` > 0, as much of it, at the same pace, as often around as that takes.
 Trajectory handheld_path(uint64_t seed, double seconds = 0);
 
+/// Returns the built-in path of a corridor: a person walks 14 m along it and back, looking ahead and at both
+/// walls in turn. World as above. With `seconds` > 0, as much of it, at the same pace.
+Trajectory corridor_path(uint64_t seed, double seconds = 0);
+
 /// Estimates the up direction of a recorded path's world. The right axes of hand-held cameras are horizontal
 /// on average: up is the direction least present in them, or the world axis within some degrees of it, since
 /// motion-capture worlds are levelled. If the camera rotated too little or was rolled, up is z, provided the

@@ -17,13 +17,14 @@ namespace kinloop::sim {
 namespace {
 
 constexpr double kWallMargin_m = 1.45, kSpaciousWallMargin_m = 2.4;  // from the path's bounding box
-constexpr double kMinSide_m = 3.6, kMinHeight_m = 2.8;
+constexpr double kCorridorMargin_m = 0.95;
+constexpr double kMinSide_m = 3.6, kMinCorridorSide_m = 1.9, kMinHeight_m = 2.8;
 constexpr double kCameraHeight_m = 1.45;
 constexpr double kMaxPath_m = 25;
 constexpr double kMinCameraHeight_m = 0.45, kHeadRoom_m = 0.45;
 
 /// Pose of the room: z along `up`, walls along the world's other axes as far as these are horizontal.
-SE3 place_room(const Trajectory& path, double margin_m, Eigen::Vector3d& size_m) {
+SE3 place_room(const Trajectory& path, double margin_m, double min_side_m, Eigen::Vector3d& size_m) {
   const Eigen::Quaterniond R_world_room =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), estimate_up_direction(path));
   Eigen::AlignedBox3d box;
@@ -38,7 +39,7 @@ SE3 place_room(const Trajectory& path, double margin_m, Eigen::Vector3d& size_m)
                                  box.sizes().maxCoeff(), kMaxPath_m));
   }
   const double floor = std::min(median(heights) - kCameraHeight_m, box.min().z() - kMinCameraHeight_m);
-  size_m = (box.sizes().array() + 2 * margin_m).max(kMinSide_m);
+  size_m = (box.sizes().array() + 2 * margin_m).max(min_side_m);
   size_m.z() = std::max(kMinHeight_m, box.max().z() + kHeadRoom_m - floor);
   const Eigen::Vector3d origin(box.center().x(), box.center().y(), floor);
   return {R_world_room, R_world_room * origin};
@@ -59,6 +60,18 @@ Trajectory thinned(const Trajectory& path, const SE3& T_room_world) {
   return samples;
 }
 
+/// What stands in the room of a request.
+Furnishing furnishing_of(const RoomRequest& request) {
+  if (request.corridor) return Furnishing::kCorridor;
+  const bool spacious = request.spacious || request.movers.people > 0 || request.movers.chairs > 0;
+  return spacious ? Furnishing::kSpacious : Furnishing::kDense;
+}
+
+double wall_margin_m(Furnishing furnishing) {
+  if (furnishing == Furnishing::kCorridor) return kCorridorMargin_m;
+  return furnishing == Furnishing::kSpacious ? kSpaciousWallMargin_m : kWallMargin_m;
+}
+
 }  // namespace
 
 Trajectory in_room_frame(Trajectory path, const SE3& T_room_world) {
@@ -69,13 +82,15 @@ Trajectory in_room_frame(Trajectory path, const SE3& T_room_world) {
 Room build_room(const Trajectory& path, const RoomRequest& request, int threads) {
   require(!path.empty(), "a room needs a path to be built around");
   Room room;
-  const bool spacious = request.spacious || request.movers.people > 0 || request.movers.chairs > 0;
-  room.T_world_room = place_room(path, spacious ? kSpaciousWallMargin_m : kWallMargin_m, room.size_m);
+  const Furnishing furnishing = furnishing_of(request);
+  room.T_world_room =
+      place_room(path, wall_margin_m(furnishing),
+                 furnishing == Furnishing::kCorridor ? kMinCorridorSide_m : kMinSide_m, room.size_m);
   const SE3 T_room_world = room.T_world_room.inverse();
   Palette palette(hash(request.seed, 1), threads);
   const Eigen::Vector3f size_m = room.size_m.cast<float>();
-  RoomLayout layout(palette, size_m, thinned(path, T_room_world), hash(request.seed, 2),
-                    spacious ? Furnishing::kSpacious : Furnishing::kDense);
+  RoomLayout layout(palette, size_m, thinned(path, T_room_world), hash(request.seed, 2), furnishing,
+                    request.floor);
   Parts parts = layout.release_parts();
   Movers movers;
   Wardrobe wardrobe(palette.texture_count());

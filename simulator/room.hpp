@@ -21,7 +21,9 @@ struct Room {
 struct RoomRequest {
   uint64_t seed = 1;
   bool spacious = false;  ///< walls farther away and little furniture in the middle; so with people, chairs
-  MoverOptions movers;
+  MoverOptions movers = {};
+  bool corridor = false;  ///< instead of a room: narrow, with the same doors again and again
+  uint64_t floor = 0;     ///< see RoomLayout
 };
 
 /// Returns a path of the world in the frame of a room.

@@ -70,6 +70,7 @@ Parts RoomLayout::place_where_most_viewed(const Parts& piece, const cv::Mat& sum
 
 /// Puts desks and tables where the camera looks most, until there is no free place or nothing left to view.
 void RoomLayout::furnish_viewed_areas() {
+  if (furnishing_ != Furnishing::kDense) return;
   const cv::Mat sums = view_count_integral();
   constexpr int kMaxPieces = 14;
   for (int i = 0; i < kMaxPieces; ++i) {

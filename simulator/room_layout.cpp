@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace kinloop::sim {
 namespace {
 
 constexpr float kQuarterTurn = std::numbers::pi_v<float> / 2;
 constexpr float kWallThickness_m = 0.1F;
+constexpr float kDoorWidth_m = 0.92F, kDoorHeight_m = 2.05F, kDoorThickness_m = 0.04F;
 
 Eigen::AlignedBox2f footprint(const Parts& piece) {
   const Eigen::AlignedBox3f box = bounds(piece);
@@ -26,7 +28,7 @@ bool overlaps(const std::vector<Eigen::AlignedBox2f>& taken, const Eigen::Aligne
 }  // namespace
 
 RoomLayout::RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, const Trajectory& path,
-                       uint64_t seed, Furnishing furnishing)
+                       uint64_t seed, Furnishing furnishing, uint64_t floor)
     : random_(seed), builder_(palette, random_), size_m_(size_m), furnishing_(furnishing) {
   for (const StampedPose& pose : path) {
     path_.push_back(pose.T_world_camera.translation.cast<float>());
@@ -42,12 +44,25 @@ RoomLayout::RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, co
   }
   build_shell();
   add_ceiling_lamps();
+  if (furnishing_ == Furnishing::kCorridor) {
+    furnish_corridor();
+  } else {
+    furnish_room(floor > 0 ? std::optional(hash(seed, floor)) : std::nullopt);
+  }
+}
+
+/// All before the pictures is the same whatever the seed of the floor.
+void RoomLayout::furnish_room(std::optional<uint64_t> floor_seed) {
   const size_t first = least_viewed_wall();
   add_window(walls_[first]);
   add_door(walls_[(first + 1 + random_.index(3)) % walls_.size()]);
   for (Wall& wall : walls_) furnish_wall(wall);
+  if (floor_seed) {
+    furnish_viewed_areas();
+    random_ = Random(*floor_seed);
+  }
   for (Wall& wall : walls_) hang_pictures(wall);
-  if (furnishing_ == Furnishing::kDense) furnish_viewed_areas();
+  if (!floor_seed) furnish_viewed_areas();
   scatter_on_floor();
 }
 
@@ -95,8 +110,9 @@ void RoomLayout::build_shell() {
   const Palette& palette = builder_.palette();
   const Eigen::Vector3f s = size_m_;
   constexpr float kThick = kWallThickness_m;
-  const float floor_period = std::max({s.x(), s.y(), 6.0F});
-  constexpr double kWallPeriod_m = 4.0;
+  const bool repeats = furnishing_ == Furnishing::kCorridor;
+  const float floor_period = repeats ? kCorridorPeriod_m : std::max({s.x(), s.y(), 6.0F});
+  constexpr double kWallPeriod_m = kCorridorPeriod_m;
   const FaceTexture floor = palette.metric(Kind::kFloor, floor_period, random_);
   const FaceTexture paint = palette.metric(Kind::kPlaster, kWallPeriod_m, random_);
   parts_.push_back(make_box({0, 0, -kThick / 2}, {s.x(), s.y(), kThick}, floor));
@@ -108,7 +124,7 @@ void RoomLayout::build_shell() {
   for (uint32_t i = 0; i < walls_.size(); ++i) {
     FaceTexture face_texture = paint;
     face_texture.u0 = builder_.uniform(0, 1);
-    if (i == accent) face_texture = palette.metric(Kind::kAccentWall, kWallPeriod_m, random_);
+    if (i == accent && !repeats) face_texture = palette.metric(Kind::kAccentWall, kWallPeriod_m, random_);
     Wall& wall = walls_[i];
     wall.first_part = parts_.size();
     const Parts slab{
@@ -170,15 +186,19 @@ void RoomLayout::add_window(Wall& wall) {
                      {0.62F, 0.56F, 0.5F}});
 }
 
-void RoomLayout::add_door(Wall& wall) {
-  constexpr float kWidth = 0.92F, kHeight = 2.05F, kDoorThickness = 0.04F;
-  const float along = builder_.uniform(-0.35F, 0.35F) * (wall.length_m - kWidth);
+Parts RoomLayout::door_leaf() {
   const Palette& palette = builder_.palette();
   const FaceTexture front = palette.fitted(Kind::kDoor, random_);
   const FaceTexture back = palette.metric(Kind::kWood, 0.8, random_);
-  const Primitive leaf =
-      make_box({0, -kDoorThickness / 2, kHeight / 2}, {kWidth, kDoorThickness, kHeight}, back);
-  const Parts door = place_at_wall(wall, {with_picture(leaf, kFront, front)}, along, 0);
+  const Primitive leaf = make_box({0, -kDoorThickness_m / 2, kDoorHeight_m / 2},
+                                  {kDoorWidth_m, kDoorThickness_m, kDoorHeight_m}, back);
+  return {with_picture(leaf, kFront, front)};
+}
+
+void RoomLayout::add_door(Wall& wall) {
+  constexpr float kWidth = kDoorWidth_m, kHeight = kDoorHeight_m, kDoorThickness = kDoorThickness_m;
+  const float along = builder_.uniform(-0.35F, 0.35F) * (wall.length_m - kWidth);
+  const Parts door = place_at_wall(wall, door_leaf(), along, 0);
   door_.first_part = parts_.size();
   parts_.insert(parts_.end(), door.begin(), door.end());
   // A poster, and a note by the handle.
@@ -202,6 +222,30 @@ void RoomLayout::add_door(Wall& wall) {
   // Clearance for opening the door.
   footprints_.push_back(
       footprint(place_at_wall(wall, {make_box({0, -0.35F, 1}, {kWidth, 0.7F, 2}, {})}, along, 0)));
+}
+
+/// A door and a notice board in each period.
+void RoomLayout::line_with_doors(Wall& wall, const Parts& door, const Parts& board) {
+  constexpr float kBoardHeight_m = 1.4F;
+  const auto count = static_cast<int>(wall.length_m / kCorridorPeriod_m);
+  for (int i = 0; i < count; ++i) {
+    const float along = kCorridorPeriod_m * (static_cast<float>(i) - static_cast<float>(count - 1) / 2);
+    for (const Parts& placed : {place_at_wall(wall, door, along - kCorridorPeriod_m / 4, 0),
+                                place_at_wall(wall, board, along + kCorridorPeriod_m / 4, kBoardHeight_m)})
+      parts_.insert(parts_.end(), placed.begin(), placed.end());
+  }
+}
+
+/// The long walls repeat themselves, the ends are of their own.
+void RoomLayout::furnish_corridor() {
+  const Parts door = door_leaf(), board = builder_.wall_picture(0.9F, 0.7F);
+  for (Wall& wall : walls_) {
+    if (wall.length_m < 2 * kCorridorPeriod_m) {
+      hang_pictures(wall);
+    } else {
+      line_with_doors(wall, door, board);
+    }
+  }
 }
 
 bool RoomLayout::try_place_at_wall(Wall& wall, const Parts& piece, float along_m) {

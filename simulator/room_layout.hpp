@@ -2,6 +2,7 @@
 // In: the size of a room, a palette and the path of the camera in it. Out: walls, furniture and lamps that
 // keep clear of the path.
 
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -24,15 +25,19 @@ struct DoorPlace {
   size_t first_part = 0, part_count = 0;         ///< the solids of the door and of what hangs on it
 };
 
-/// How much stands away from the walls.
-enum class Furnishing { kDense, kSpacious };
+/// How much stands away from the walls. A corridor has nothing but doors and notice boards, the same every
+/// `kCorridorPeriod_m`.
+enum class Furnishing { kDense, kSpacious, kCorridor };
+
+constexpr float kCorridorPeriod_m = 4;
 
 /// Furnishes one room.
 class RoomLayout {
  public:
-  /// `path`: camera poses in the room frame.
+  /// `path`: camera poses in the room frame. Rooms of one seed on two floors of a building differ in their
+  /// pictures and in what lies on the floor.
   RoomLayout(const Palette& palette, const Eigen::Vector3f& size_m, const Trajectory& path, uint64_t seed,
-             Furnishing furnishing = Furnishing::kDense);
+             Furnishing furnishing = Furnishing::kDense, uint64_t floor = 0);
 
   Parts release_parts() { return std::move(parts_); }
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
@@ -53,6 +58,10 @@ class RoomLayout {
   void add_ceiling_lamps();
   void add_window(Wall& wall);
   void add_door(Wall& wall);
+  [[nodiscard]] Parts door_leaf();
+  void line_with_doors(Wall& wall, const Parts& door, const Parts& board);
+  void furnish_corridor();
+  void furnish_room(std::optional<uint64_t> floor_seed);
   void furnish_wall(Wall& wall);
   void hang_pictures(Wall& wall);
   void furnish_viewed_areas();

@@ -82,12 +82,24 @@ uint64_t parse_seed(const std::string& spec, const std::string& text) {
   return seed;
 }
 
+sim::RoomRequest room_request(const SimulationOptions& options, uint64_t seed) {
+  if (options.corridor && options.movers.any())
+    throw UsageError("sim.corridor, sim.movers: nothing moves in a corridor; leave one of them out");
+  return {seed, options.spacious, options.movers, options.corridor, static_cast<uint64_t>(options.floor)};
+}
+
+/// The built-in path of the scene.
+Trajectory built_in_path(const SimulationOptions& options, uint64_t seed) {
+  return options.corridor ? sim::corridor_path(seed, options.seconds)
+                          : sim::handheld_path(seed, options.seconds);
+}
+
 }  // namespace
 
 struct SimulatedSource::RenderSetup {
   RenderSetup(const Trajectory& path, const RgbdCamera& device, const SimulationOptions& options,
               uint64_t seed, int threads)
-      : room(sim::build_room(path, {seed, options.spacious, options.movers}, threads)),
+      : room(sim::build_room(path, room_request(options, seed), threads)),
         path_in_room(sim::in_room_frame(path, room.T_world_room.inverse())),
         renderer(*room.scene, device.color, options.noise,
                  device.depth ? sim::RenderedImages::kColor : sim::RenderedImages::kColorAndDepth, threads) {
@@ -116,7 +128,7 @@ SimulatedSource::SimulatedSource(std::string name, uint64_t seed, const Simulati
       seed_(seed) {
   validate(options, "sim.");
   const bool own_path = !path.has_value();
-  if (own_path) path = sim::handheld_path(seed, options.seconds);
+  if (own_path) path = built_in_path(options, seed);
   if (options.noise.rolling_shutter_s == 0) camera_.rolling_shutter_s = 0;  // as a data sheet says
   truth_ = {options.noise.rolling_shutter_s, options.noise.depth_delay_s};
   stamps_ = stamps_to_render(

@@ -27,6 +27,8 @@ struct SimulationOptions {
   int frames = 0;
   double seconds = 0;
   bool spacious = false;
+  bool corridor = false;
+  int floor = 0;
   int width = 0;
   int height = 0;
   bool lens_distortion = true;
@@ -48,6 +50,11 @@ struct SimulationOptions {
     visit("spacious", self.spacious,
           "a larger room with little but chairs and boxes away from the walls; always so with "
           "movers.people or movers.chairs");
+    visit("corridor", self.corridor,
+          "a corridor with the same doors and notice boards every 4 m, there and back; nothing moves in it");
+    visit("floor", self.floor,
+          "rooms of one seed on the floors 1, 2, ... have the same furniture and differ in their pictures",
+          Range{0, 1000});
     visit("width", self.width,
           "width of the colour image in px, 0 = that of the sensor; depth is scaled in proportion",
           Range{0, 4096});
