@@ -3,13 +3,13 @@
 export const LOOP_STATUSES = ['accepted', 'provisional', 'rejected', 'withdrawn'];
 
 const REASONS = {
-  'keyframes agree': 'several keyframes agree on the relative pose',
-  'fits the map': 'the map predicted this pose already',
+  'keyframes agree': 'several keyframes agree',
+  'fits the map': 'the map predicted it',
   loaded: 'it came with a loaded map',
-  'too few keyframes': 'too few keyframes agree, so the map was not bent',
+  'too few keyframes': 'too few keyframes agree',
   ambiguous: 'another place fits as well',
-  'different scale': 'the two visits see the place in different sizes',
-  'does not fit': 'odometry, other loops or surfaces contradict it',
+  'different scale': 'the place has another size in each visit',
+  'does not fit': 'odometry, loops or surfaces contradict it',
 };
 
 /** A sentence without its full stop; empty if the reason is unknown. */

@@ -30,7 +30,7 @@ export class Loops {
     this.loops = loops.map((loop) => ({ ...loop, laterS: laterS(loop) })).sort((a, b) => a.laterS - b.laterS);
     this.map = map;
     at('loops').hidden = loops.length === 0;
-    at('loopCount').textContent = LOOP_STATUSES.map((status) => this.countOf(status)).filter(([, n]) => n > 0).map(([status, n]) => `${n} ${status}`).join(', ');
+    at('loopCount').textContent = loops.length;
     this.makeFilter();
     this.show();
   }
@@ -47,7 +47,7 @@ export class Loops {
         else this.chosen.delete(status);
         this.show();
       };
-      return element('label', {}, input, statusMark(status), `${status} (${n})`);
+      return element('label', {}, input, statusMark(status), `${status} ${n}`);
     });
     at('loopFilter').replaceChildren(...choices);
   }
@@ -188,7 +188,7 @@ export class Loops {
 
 function figuresText({ support, inliers, scale }) {
   const parts = [];
-  if (support) parts.push(`${keyframesText(support)} ${support === 1 ? 'agrees' : 'agree'}`);
+  if (support) parts.push(keyframesText(support));
   if (inliers) parts.push(`${inliers} inliers`);
   if (scale !== null) parts.push(`scale ${scaleText(scale)}`);
   return parts.join(' \u00b7 ');
