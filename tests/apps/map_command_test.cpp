@@ -1,7 +1,9 @@
 // Map files, end to end: run, map, export.
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,6 +14,7 @@
 
 #include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/apps/program_test.hpp"
@@ -292,6 +295,78 @@ TEST_F(MapCommand, MergesMaps) {
   EXPECT_EQ(info["components"], 1);
   EXPECT_EQ(info["frames"], 40);
   EXPECT_GE(info["images"], info["keyframes"]);
+}
+
+/// The relative poses of the first keyframe and each later one of a visit, by the keyframes' stamps.
+std::map<int64_t, SE3> relative_poses(const MapData& map, uint32_t visit) {
+  std::map<int64_t, SE3> poses;
+  std::optional<SE3> first;
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (keyframe.visit != visit) continue;
+    if (!first) first = keyframe.T_world_camera;
+    poses[keyframe.stamp_ns] = first->inverse() * keyframe.T_world_camera;
+  }
+  return poses;
+}
+
+/// The words that name all loops of a map.
+std::string all_loops(const MapData& map) {
+  std::string words;
+  for (const LoopClosure& loop : map.loop_closures) {
+    words += " --loop " + format_stamp(map.keyframes[loop.a.value].stamp_ns) + "," +
+             format_stamp(map.keyframes[loop.b.value].stamp_ns);
+  }
+  return words;
+}
+
+TEST_F(MapCommand, WithdrawnLoopsPartTheMapsThatTheyJoined) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("joined.kinmap")), 0) << err_;
+  SavedMap joined = MapReader(at("joined.kinmap")).read().first;
+  ASSERT_FALSE(joined.map.loop_closures.empty());
+  // As a false loop would have bent the second visit.
+  const uint32_t second = joined.map.keyframes.back().visit;
+  const auto first_of_second = std::find_if(joined.map.keyframes.begin(), joined.map.keyframes.end(),
+                                            [&](const Keyframe& k) { return k.visit == second; });
+  ASSERT_GT(std::distance(first_of_second, joined.map.keyframes.end()), 2);
+  for (auto keyframe = first_of_second; keyframe != joined.map.keyframes.end(); ++keyframe) {
+    constexpr double kBendM = 0.05;
+    keyframe->T_world_camera.translation.x() += kBendM * static_cast<double>(keyframe - first_of_second);
+  }
+  write_map(at("bent.kinmap"), joined, 0, {});
+  ASSERT_EQ(run("map withdraw " + at("bent.kinmap") + all_loops(joined.map) + " -o " + at("parted.kinmap")),
+            0)
+      << err_;
+  EXPECT_THAT(out_ + err_, HasSubstr("0 left"));
+
+  const SavedMap parted = MapReader(at("parted.kinmap")).read().first;
+  EXPECT_TRUE(parted.map.loop_closures.empty());
+  std::set<uint32_t> components;
+  for (const Keyframe& keyframe : parted.map.keyframes) components.insert(keyframe.component);
+  EXPECT_EQ(components.size(), 2U);
+  EXPECT_EQ(parted.frames.size(), joined.frames.size());
+  const MapData alone = MapReader(folder + "/map.kinmap").read().first.map;
+  const auto expected = relative_poses(alone, alone.keyframes.front().visit);
+  for (const auto& [stamp_ns, T_first_keyframe] : relative_poses(parted.map, second)) {
+    const Eigen::Vector3d moved = T_first_keyframe.translation - expected.at(stamp_ns).translation;
+    EXPECT_LT(moved.norm(), 0.01) << "m, at " << format_stamp(stamp_ns);
+  }
+}
+
+TEST_F(MapCommand, WithdrawNamesTheNearestLoops) {
+  const std::string folder = ran();
+  EXPECT_EQ(run("map withdraw " + folder + " --loop 1,2 -o " + at("w.kinmap")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("has no loops"));
+  ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("two.kinmap")), 0) << err_;
+  const std::string withdraw = "map withdraw " + at("two.kinmap") + " -o ";
+  const MapData map = MapReader(at("two.kinmap")).read().first.map;
+  EXPECT_EQ(run(withdraw + at("w.kinmap") + " --loop 900,1000"), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("no loop joins 900,1000; the nearest: "));
+  EXPECT_THAT(all_loops(map), HasSubstr(err_.substr(err_.rfind(' ') + 1, 17))) << "as --loop takes it";
+  EXPECT_FALSE(std::filesystem::exists(at("w.kinmap")));
+  EXPECT_EQ(run(withdraw + at("w.kinmap") + " --loop 900"), kWrongUse);
+  EXPECT_EQ(run(withdraw + at("w.kinmap")), kWrongUse);
+  EXPECT_EQ(run(withdraw + at("two.kinmap") + all_loops(map)), kWrongUse) << "the input is kept";
 }
 
 TEST_F(MapCommand, MapsOfOnePlaceAreCompared) {
