@@ -389,10 +389,10 @@ TEST_F(MapCommand, MapsOfTwoPlacesAreNotCompared) {
 
 TEST_F(MapCommand, LocatesASequenceAmongSeveralMaps) {
   test::write_room(at("here"), "--frames 20");
-  test::write_room(at("elsewhere"), "--seed 5 --frames 20");
-  for (const char* room : {"here", "elsewhere"})
+  test::write_room(at("other_room"), "--seed 5 --frames 20");
+  for (const char* room : {"here", "other_room"})
     ASSERT_EQ(run("run " + at(room) + " -q -o " + at(std::string(room) + "_map")), 0) << err_;
-  ASSERT_EQ(run("map locate " + at("here") + " " + at("elsewhere_map") + " " + at("here_map")), 0) << err_;
+  ASSERT_EQ(run("map locate " + at("here") + " " + at("other_room_map") + " " + at("here_map")), 0) << err_;
   EXPECT_THAT(err_, HasSubstr("of 20 frames located in 2 map(s)"));
   int here = 0;
   for (const TextLine& line : read_table(folder_->write("located.txt", out_))) {
@@ -402,7 +402,7 @@ TEST_F(MapCommand, LocatesASequenceAmongSeveralMaps) {
     ++here;
   }
   EXPECT_GE(here, 18);
-  ASSERT_EQ(run("map locate -q " + at("here") + " " + at("elsewhere_map")), 0) << err_;
+  ASSERT_EQ(run("map locate -q " + at("here") + " " + at("other_room_map")), 0) << err_;
   EXPECT_EQ(err_, "");
   EXPECT_THAT(out_, Not(HasSubstr("kinmap"))) << "in no map that is given";
   EXPECT_EQ(run("map locate " + at("here")), kWrongUse);

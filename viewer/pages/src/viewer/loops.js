@@ -154,7 +154,7 @@ export class Loops {
       ['inliers', loop.inliers || 'unknown'],
       ['scale', scaleText(scale)],
     ];
-    at('loop').querySelector('dl').replaceChildren(...figures.flatMap(([what, figure]) => [element('dt', {}, what), element('dd', {}, `${figure}`)]));
+    at('loop').querySelector('dl').replaceChildren(...figures.map(([what, figure]) => element('div', {}, element('dt', {}, what), element('dd', {}, `${figure}`))));
     this.showCommand(loop);
   }
 
