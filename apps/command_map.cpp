@@ -1,5 +1,5 @@
-// kinloop map: shows the content of a map file, merges maps, compares them, says in which of them a camera is,
-// or takes false loops out of one.
+// kinloop map: shows the content of a map file, merges maps, compares them, says in which of them a camera
+// is, or takes false loops out of one.
 
 #include <set>
 
