@@ -331,7 +331,7 @@ TEST_F(MapCommand, WithdrawnLoopsPartTheMapsThatTheyJoined) {
   ASSERT_GT(std::distance(first_of_second, joined.map.keyframes.end()), 2);
   for (auto keyframe = first_of_second; keyframe != joined.map.keyframes.end(); ++keyframe) {
     const auto steps = static_cast<double>(keyframe - first_of_second);
-    const SE3 bend{exp_so3({0, 0.2 * steps, 0}), {0.5 * steps, 0, 0}};  // too far for bundle adjustment alone
+    const SE3 bend{exp_so3({0, 0.2 * steps, 0}), {0.5 * steps, 0, 0}};
     keyframe->T_world_camera = bend * keyframe->T_world_camera;
   }
   write_map(at("bent.kinmap"), joined, 0, {});
