@@ -12,11 +12,14 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/map/withdraw_loops.hpp"
 #include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
+#include "kinloop/slam/saved_session.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {
@@ -309,6 +312,17 @@ std::map<int64_t, SE3> relative_poses(const MapData& map, uint32_t visit) {
   return poses;
 }
 
+/// Bends a visit, more with each keyframe, as a false loop might.
+void bend(MapData& map, uint32_t visit) {
+  double steps = 0;
+  for (Keyframe& keyframe : map.keyframes) {
+    if (keyframe.visit != visit) continue;
+    keyframe.T_world_camera =
+        SE3{exp_so3({0, 0.2 * steps, 0}), {0.5 * steps, 0, 0}} * keyframe.T_world_camera;
+    ++steps;
+  }
+}
+
 /// The words that name all loops of a map.
 std::string all_loops(const MapData& map) {
   std::string words;
@@ -324,16 +338,8 @@ TEST_F(MapCommand, WithdrawnLoopsPartTheMapsThatTheyJoined) {
   ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("joined.kinmap")), 0) << err_;
   SavedMap joined = MapReader(at("joined.kinmap")).read().first;
   ASSERT_FALSE(joined.map.loop_closures.empty());
-  // As a false loop would have bent the second visit.
   const uint32_t second = joined.map.keyframes.back().visit;
-  const auto first_of_second = std::find_if(joined.map.keyframes.begin(), joined.map.keyframes.end(),
-                                            [&](const Keyframe& k) { return k.visit == second; });
-  ASSERT_GT(std::distance(first_of_second, joined.map.keyframes.end()), 2);
-  for (auto keyframe = first_of_second; keyframe != joined.map.keyframes.end(); ++keyframe) {
-    const auto steps = static_cast<double>(keyframe - first_of_second);
-    const SE3 bend{exp_so3({0, 0.2 * steps, 0}), {0.5 * steps, 0, 0}};
-    keyframe->T_world_camera = bend * keyframe->T_world_camera;
-  }
+  bend(joined.map, second);
   write_map(at("bent.kinmap"), joined, 0, {});
   ASSERT_EQ(run("map withdraw " + at("bent.kinmap") + all_loops(joined.map) + " -o " + at("parted.kinmap")),
             0)
@@ -351,6 +357,20 @@ TEST_F(MapCommand, WithdrawnLoopsPartTheMapsThatTheyJoined) {
   for (const auto& [stamp_ns, T_first_keyframe] : relative_poses(parted.map, second)) {
     const Eigen::Vector3d moved = T_first_keyframe.translation - expected.at(stamp_ns).translation;
     EXPECT_LT(moved.norm(), 0.01) << "m, at " << format_stamp(stamp_ns);
+  }
+}
+
+TEST_F(MapCommand, WithdrawingMeasuresTheMotionBetweenKeyframesAnew) {
+  SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
+  const uint32_t visit = saved.map.keyframes.front().visit;
+  const auto expected = relative_poses(saved.map, visit);
+  ASSERT_GT(expected.size(), 1U);
+  bend(saved.map, visit);
+  const Sensor sensor = sensor_estimate(saved.sensor, make_sensor(saved.camera)).sensor;
+  withdraw_loops(saved, {}, sensor, PlaceOptions());
+  for (const auto& [stamp_ns, T_first_keyframe] : relative_poses(saved.map, visit)) {
+    const Eigen::Vector3d moved = T_first_keyframe.translation - expected.at(stamp_ns).translation;
+    EXPECT_LT(moved.norm(), 0.03) << "m, at " << format_stamp(stamp_ns);
   }
 }
 
