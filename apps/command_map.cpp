@@ -1,5 +1,5 @@
-// kinloop map: shows the content of a map file, merges maps, compares them, or says in which of them a camera
-// is.
+// kinloop map: shows the content of a map file, merges maps, compares them, says in which of them a camera
+// is, or takes false loops out of one.
 
 #include <set>
 
@@ -8,6 +8,7 @@
 
 #include "apps/map/map_diff.hpp"
 #include "apps/map/map_locate.hpp"
+#include "apps/map/map_withdraw.hpp"
 #include "apps/map/merge_maps.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/common_options.hpp"
@@ -142,12 +143,13 @@ void add_merge(CLI::App& map) {
 
 void add_map_command(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("map", "Inspect, merge and compare map files, and locate frames in them");
+      app.add_subcommand("map", "Inspect, merge, compare and correct map files, and locate frames in them");
   command->require_subcommand(1);
   add_info(*command);
   add_merge(*command);
   add_map_diff_command(*command);
   add_map_locate_command(*command);
+  add_map_withdraw_command(*command);
 }
 
 }  // namespace kinloop

@@ -15,7 +15,7 @@ void add_map(SavedRun& run, std::span<const TrackedFrame> session, const Map& ma
   for (const Keyframe& keyframe : map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
-  for (const LoopClosure& loop : map.loop_closures()) run.loops.emplace_back(loop.a, loop.b);
+  run.loops = loops_of(map);
   run.metrics["landmarks"] = map.landmark_count();
 }
 
@@ -28,10 +28,15 @@ SavedRun saved_run_of(OpenMap& open) {
 }
 
 SavedRun read_shown(const std::filesystem::path& path, const Progress& progress) {
-  if (!is_map_file(path)) return read_saved_run(path);
+  if (!is_map_file(path)) {
+    SavedRun run = read_saved_run(path);
+    if (std::filesystem::exists(path / kMapFileName)) run.map_file = path / kMapFileName;
+    return run;
+  }
   OpenMap open = open_map(path, {});
   SavedRun run = saved_run_of(open);
   run.name = input_name(path.string());
+  run.map_file = path;
   run.cloud = open.cloud(0, hardware_threads(), progress);
   return run;
 }

@@ -46,25 +46,6 @@ FrameTable frames_of_path(const SavedRun& run) {
   return frames;
 }
 
-KeyframeId keyframe_at(const Trajectory& keyframes, const json& loop, const char* key) {
-  if (!loop.contains(key) || !loop[key].is_string()) return {};
-  const auto stamp_ns = parse_stamp_ns(loop[key].get<std::string>());
-  const auto found = std::find_if(keyframes.begin(), keyframes.end(),
-                                  [&](const StampedPose& pose) { return pose.stamp_ns == stamp_ns; });
-  return found == keyframes.end() ? KeyframeId{}
-                                  : KeyframeId{static_cast<uint32_t>(found - keyframes.begin())};
-}
-
-std::vector<std::pair<KeyframeId, KeyframeId>> loops_of(const json& figures, const Trajectory& keyframes) {
-  std::vector<std::pair<KeyframeId, KeyframeId>> loops;
-  if (!figures.contains("loops") || !figures["loops"].is_array()) return loops;
-  for (const json& loop : figures["loops"]) {
-    const KeyframeId a = keyframe_at(keyframes, loop, "stamp_a"), b = keyframe_at(keyframes, loop, "stamp_b");
-    if (a.valid() && b.valid()) loops.emplace_back(a, b);
-  }
-  return loops;
-}
-
 std::vector<int64_t> doubt_of(const FrameTable& frames) {
   std::vector<int64_t> doubt_ns;
   for (const FrameRow& row : frames) {
@@ -97,7 +78,7 @@ void show_paths(Scene& scene, const SavedRun& run) {
   });
   if (const auto doubt = doubt_in_path(run); !doubt.empty())
     scene.put(PartKind::kDoubt, 0, encode_ranges(doubt));
-  scene.put(PartKind::kLoops, 0, encode_pairs(run.loops));
+  scene.put(PartKind::kLoops, 0, encode_pairs(accepted_pairs(run.loops)));
 }
 
 std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
@@ -188,6 +169,13 @@ SavedRun read_folder(const fs::path& path) {
   return run;
 }
 
+/// The loops, and the map that they can be withdrawn from if it is known.
+json loop_table(const SavedRun& run) {
+  json table = {{"loops", to_json(run.loops)}};
+  if (!run.map_file.empty()) table["map"] = run.map_file.string();
+  return table;
+}
+
 /// Available colour modes; without times and camera positions, those modes are left out.
 json colorings_of(const SavedRun& run) {
   const bool points = run.cloud.size() > 0;
@@ -202,7 +190,7 @@ json status_of(const SavedRun& run) {
   if (!run.path.empty()) {
     status["frame"] = run.path.size();
     status["keyframes"] = run.keyframes.size();
-    status["loops"] = run.loops.size();
+    status["loops"] = accepted_pairs(run.loops).size();
   }
   if (run.cloud.size() > 0) status["points"] = run.cloud.size();
   if (!run.mesh.triangles.empty()) {
@@ -266,6 +254,7 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
   scene.put(PartKind::kStatus, 0, encode_json(status));
   if (const auto timeline = timeline_of(run); !timeline.empty())
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
+  if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
   uint32_t index = 0;
   for (const CloudPiece& piece : split_into_pieces(run.cloud)) {
     scene.put(PartKind::kCloud, index++, encode_cloud(piece));

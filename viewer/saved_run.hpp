@@ -10,6 +10,7 @@
 #include "kinloop/map/tracked_frame.hpp"
 #include "session/viewer_options.hpp"
 #include "viewer/report/frame_table.hpp"
+#include "viewer/saved_loops.hpp"
 #include "viewer/scene/scene.hpp"
 
 namespace kinloop {
@@ -17,12 +18,13 @@ namespace kinloop {
 struct SavedRun {
   std::string name;
   ColoredCloud cloud;
-  Trajectory path, keyframes, truth;                     ///< each may be empty
-  FrameTable frames;                                     ///< empty if unknown
-  std::vector<int64_t> doubt_ns;                         ///< stamps of doubtful and lost frames, in order
-  std::vector<std::pair<KeyframeId, KeyframeId>> loops;  ///< indices into `keyframes`
-  nlohmann::json metrics;                                ///< run.json
-  Eigen::Vector3d up = {0, -1, 0};                       ///< in the world frame
+  Trajectory path, keyframes, truth;  ///< each may be empty
+  FrameTable frames;                  ///< empty if unknown
+  std::vector<int64_t> doubt_ns;      ///< stamps of doubtful and lost frames, in order
+  std::vector<SavedLoop> loops;       ///< accepted or not
+  std::filesystem::path map_file;     ///< that holds the loops; empty if unknown
+  nlohmann::json metrics;             ///< run.json
+  Eigen::Vector3d up = {0, -1, 0};    ///< in the world frame
 
   Eigen::Vector2d half_size_at_1m = {0.6, 0.45};  ///< of the image
 

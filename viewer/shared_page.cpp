@@ -105,6 +105,7 @@ SharedPage make_shared_page(SavedRun run, std::vector<KeyframeImage> images, con
   constexpr double kMargin = 0.98;        // the size is almost linear in the number of points
   const ColoredCloud cloud = shuffled(run.cloud);
   run.cloud = {};
+  run.map_file.clear();  // a path on this machine, of no use to others
   const size_t least_bytes = page_of(run, {}).size();
   if (least_bytes > limits.bytes) {
     throw InputError(

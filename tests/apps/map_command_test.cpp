@@ -1,7 +1,9 @@
 // Map files, end to end: run, map, export.
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -10,10 +12,14 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/map/withdraw_loops.hpp"
 #include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/time.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
+#include "kinloop/slam/saved_session.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {
@@ -292,6 +298,96 @@ TEST_F(MapCommand, MergesMaps) {
   EXPECT_EQ(info["components"], 1);
   EXPECT_EQ(info["frames"], 40);
   EXPECT_GE(info["images"], info["keyframes"]);
+}
+
+/// The relative poses of the first keyframe and each later one of a visit, by the keyframes' stamps.
+std::map<int64_t, SE3> relative_poses(const MapData& map, uint32_t visit) {
+  std::map<int64_t, SE3> poses;
+  std::optional<SE3> first;
+  for (const Keyframe& keyframe : map.keyframes) {
+    if (keyframe.visit != visit) continue;
+    if (!first) first = keyframe.T_world_camera;
+    poses[keyframe.stamp_ns] = first->inverse() * keyframe.T_world_camera;
+  }
+  return poses;
+}
+
+/// Bends a visit, more with each keyframe, as a false loop might.
+void bend(MapData& map, uint32_t visit) {
+  double steps = 0;
+  for (Keyframe& keyframe : map.keyframes) {
+    if (keyframe.visit != visit) continue;
+    keyframe.T_world_camera =
+        SE3{exp_so3({0, 0.2 * steps, 0}), {0.5 * steps, 0, 0}} * keyframe.T_world_camera;
+    ++steps;
+  }
+}
+
+/// The words that name all loops of a map.
+std::string all_loops(const MapData& map) {
+  std::string words;
+  for (const LoopClosure& loop : map.loop_closures) {
+    words += " --loop " + format_stamp(map.keyframes[loop.a.value].stamp_ns) + "," +
+             format_stamp(map.keyframes[loop.b.value].stamp_ns);
+  }
+  return words;
+}
+
+TEST_F(MapCommand, WithdrawnLoopsPartTheMapsThatTheyJoined) {
+  const std::string folder = ran();
+  ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("joined.kinmap")), 0) << err_;
+  SavedMap joined = MapReader(at("joined.kinmap")).read().first;
+  ASSERT_FALSE(joined.map.loop_closures.empty());
+  const uint32_t second = joined.map.keyframes.back().visit;
+  bend(joined.map, second);
+  write_map(at("bent.kinmap"), joined, 0, {});
+  ASSERT_EQ(run("map withdraw " + at("bent.kinmap") + all_loops(joined.map) + " -o " + at("parted.kinmap")),
+            0)
+      << err_;
+  EXPECT_THAT(out_ + err_, HasSubstr("0 left"));
+
+  const SavedMap parted = MapReader(at("parted.kinmap")).read().first;
+  EXPECT_TRUE(parted.map.loop_closures.empty());
+  std::set<uint32_t> components;
+  for (const Keyframe& keyframe : parted.map.keyframes) components.insert(keyframe.component);
+  EXPECT_EQ(components.size(), 2U);
+  EXPECT_EQ(parted.frames.size(), joined.frames.size());
+  const MapData alone = MapReader(folder + "/map.kinmap").read().first.map;
+  const auto expected = relative_poses(alone, alone.keyframes.front().visit);
+  for (const auto& [stamp_ns, T_first_keyframe] : relative_poses(parted.map, second)) {
+    const Eigen::Vector3d moved = T_first_keyframe.translation - expected.at(stamp_ns).translation;
+    EXPECT_LT(moved.norm(), 0.01) << "m, at " << format_stamp(stamp_ns);
+  }
+}
+
+TEST_F(MapCommand, WithdrawingMeasuresTheMotionBetweenKeyframesAnew) {
+  SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
+  const uint32_t visit = saved.map.keyframes.front().visit;
+  const auto expected = relative_poses(saved.map, visit);
+  ASSERT_GT(expected.size(), 1U);
+  bend(saved.map, visit);
+  const Sensor sensor = sensor_estimate(saved.sensor, make_sensor(saved.camera)).sensor;
+  withdraw_loops(saved, {}, sensor, PlaceOptions());
+  for (const auto& [stamp_ns, T_first_keyframe] : relative_poses(saved.map, visit)) {
+    const Eigen::Vector3d moved = T_first_keyframe.translation - expected.at(stamp_ns).translation;
+    EXPECT_LT(moved.norm(), 0.03) << "m, at " << format_stamp(stamp_ns);
+  }
+}
+
+TEST_F(MapCommand, WithdrawNamesTheNearestLoops) {
+  const std::string folder = ran();
+  EXPECT_EQ(run("map withdraw " + folder + " --loop 1,2 -o " + at("w.kinmap")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("has no loops"));
+  ASSERT_EQ(run("map merge -q " + folder + " " + folder + " -o " + at("two.kinmap")), 0) << err_;
+  const std::string withdraw = "map withdraw " + at("two.kinmap") + " -o ";
+  const MapData map = MapReader(at("two.kinmap")).read().first.map;
+  EXPECT_EQ(run(withdraw + at("w.kinmap") + " --loop 900,1000"), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("no loop joins 900,1000; the nearest: "));
+  EXPECT_THAT(all_loops(map), HasSubstr(err_.substr(err_.rfind(' ') + 1, 17))) << "as --loop takes it";
+  EXPECT_FALSE(std::filesystem::exists(at("w.kinmap")));
+  EXPECT_EQ(run(withdraw + at("w.kinmap") + " --loop 900"), kWrongUse);
+  EXPECT_EQ(run(withdraw + at("w.kinmap")), kWrongUse);
+  EXPECT_EQ(run(withdraw + at("two.kinmap") + all_loops(map)), kWrongUse) << "the input is kept";
 }
 
 TEST_F(MapCommand, MapsOfOnePlaceAreCompared) {

@@ -33,6 +33,12 @@ async function check(page, name) {
   return found;
 }
 
+/** The first keyframe of a run with three others, as run.json lists loops. */
+function loopsOfEveryStatus(folder) {
+  const stamps = readFileSync(join(folder, 'keyframes.txt'), 'utf8').match(/^[\d.]+/gm);
+  return ['provisional', 'rejected', 'withdrawn'].map((status, i) => ({ stamp_a: stamps[0], stamp_b: stamps[i + 1], inliers: 40, support: 1, scale: null, status, reason: 'does not fit' }));
+}
+
 await withBrowser(async ({ open, kinloop, folder }) => {
   const out = join(folder, 'out');
   assert.equal(await kinloop('run', 'sim:room:3', ...SMALL, '-o', out).ended, 0);
@@ -44,6 +50,15 @@ await withBrowser(async ({ open, kinloop, folder }) => {
   await saved.evaluate(() => window.kinloop.panel.picked.showKeyframe(0));
   found.push(...(await check(saved, 'viewer with a keyframe selected')));
   await saved.close();
+
+  // With loops of every status, and one selected.
+  const figures = JSON.parse(readFileSync(join(out, 'run.json'), 'utf8'));
+  writeFileSync(join(out, 'run.json'), JSON.stringify({ ...figures, other_loops: loopsOfEveryStatus(out) }));
+  const looped = await open(await kinloop('view', out, '--port', '0').url());
+  await until(() => looped.isVisible('#loopList'), 'the loops are listed');
+  await looped.evaluate(() => window.kinloop.panel.loops.select(0));
+  found.push(...(await check(looped, 'viewer with loops')));
+  await looped.close();
 
   const [summary, doubtful] = [join(out, 'run.json'), join(folder, 'doubtful.html')];
   const run = JSON.parse(readFileSync(summary, 'utf8'));

@@ -91,6 +91,15 @@ TEST(Report, LoopsArePairsOfKeyframesAndUnknownOnesAreLeftOut) {
   EXPECT_EQ(data_of(full_report())["loops"], nlohmann::json::parse("[[0, 2]]"));
 }
 
+TEST(Report, HoldsTheLoopsThatAreNoEdgesAndTheStartThatTheirTimesReferTo) {
+  RunReport run = full_report();
+  run.metrics["other_loops"] = {{{"stamp_a", "1.5"}, {"stamp_b", "2"}, {"status", "rejected"}}};
+  run.frames.front().stamp_ns = kNsPerSecond / 4;
+  const auto data = data_of(run);
+  EXPECT_EQ(data["figures"]["other_loops"], run.metrics["other_loops"]);
+  EXPECT_EQ(data["startS"], 0.25);
+}
+
 TEST(Report, LeavesOutWhatIsNotKnown) {
   RunReport run = full_report();
   run.truth.clear();

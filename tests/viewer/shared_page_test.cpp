@@ -156,6 +156,14 @@ TEST_F(SharedPageTest, IsTheViewersPageThatMayLoadNothing) {
   EXPECT_EQ(page.erase(data, page.find('<', data) - data), viewer_page());
 }
 
+TEST_F(SharedPageTest, NamesNoFileOfThisMachine) {
+  SavedRun run = small_run(10);
+  run.loops.emplace_back();
+  run.map_file = "/home/me/map.kinmap";
+  const Parts parts = parts_in(make_shared_page(run, {}, {}).html);
+  EXPECT_EQ(parts.at({PartKind::kLoopTable, 0}).find("/home/me"), std::string::npos);
+}
+
 TEST_F(SharedPageTest, ThinsTheCloudEvenlyToTheLimit) {
   const size_t limit = viewer_page().size() + 1'000'000;
   const auto page = make_shared_page(small_run(300'000), {}, {.bytes = limit});

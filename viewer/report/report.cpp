@@ -125,6 +125,7 @@ json run_json(const RunReport& run, const SE3& T_plot_world, const SE3& T_plot_t
                {"path", path_json(run.estimate, T_plot_estimate, start_ns)},
                {"keyframes", path_json(run.keyframes, T_plot_estimate, start_ns)},
                {"loops", loops_json(run)},
+               {"startS", to_seconds(start_ns)},
                {"live", path_json(run.live, T_plot_estimate, start_ns)},
                {"frames", frames_json(run.frames, start_ns)},
                {"mapPictures", images_json(run.map_images)},

@@ -45,6 +45,7 @@ enum class PartKind : uint32_t {
   kDoubt = 15,          ///< ranges of the path's frames, u32 first and u32 end, that are doubtful or lost
   kKeyframeImage = 16,  ///< a small JPEG file: the colour image of the keyframe `index`
   kTimeline = 17,       ///< all frames of a saved run, see `encode_timeline`
+  kLoopTable = 18,      ///< JSON: the loops of a saved run, accepted or not, and the file of its map
 };
 
 /// Number of keyframes, or frames, per part, the unit of updates.

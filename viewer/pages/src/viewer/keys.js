@@ -23,6 +23,8 @@ const KEYS = [
   ['g', 'G', 'floor grid on or off', 'grid'],
   ['e', 'E', 'eye-dome lighting on or off', 'shading'],
   ['l', 'L', 'loop edges on or off', 'loops'],
+  ['n', 'N', 'next loop of a saved run; with Shift the previous', 'nextLoop'],
+  ['Escape', 'Esc', 'close the selected loop', 'closeLoop'],
   ['[', '[', 'lower the cut', 'lowerCut'],
   [']', ']', 'raise the cut', 'raiseCut'],
   ['-', '−', 'smaller points', 'smallerPoints'],

@@ -10,7 +10,7 @@
 //   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark
 //   keyframePictures.js  images in 3D    timelineBar.js  its drawing                clipBox.js   clipping to a box
 //   picking.js     what a click hits     measures.js  distances, angles, heights    picked.js    what a click shows
-//   recording.js   the map in the page
+//   recording.js   the map in the page  loops.js     loops of a saved run
 
 import './viewer.css';
 import { Connection } from './connection.js';
@@ -45,6 +45,8 @@ function onMessage(message) {
   world.take(message);
   if (message.kind === 'timeline') timeline.take(message.body);
   if (message.kind === 'timeline' || message.kind === 'loops') timeline.markLoops();
+  if (message.kind === 'loopTable') panel.loops.take(message.body);
+  if (message.kind === 'timeline') panel.loops.show(); // times are since its start
   images.take(message);
 }
 
@@ -55,6 +57,7 @@ function onHello(hello) {
     view.cameraControls.touched = false;
     panel.cut.set(Infinity);
     panel.clear();
+    panel.loops.clear();
     loops = 0;
   }
   run = hello.run;

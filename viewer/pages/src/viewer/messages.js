@@ -26,6 +26,7 @@ const readers = [
   ['doubt', words],
   ['keyframeImage', jpeg],
   ['timeline', timeline],
+  ['loopTable', json],
 ];
 
 /** Adds a message to the part that has come so far: { version, buffer, received, complete }, sizes with the header. */

@@ -8,9 +8,10 @@ import { ClipBox } from './clipBox.js';
 import { HeightCut } from './cut.js';
 import { makeCollapsible } from './drawer.js';
 import { listenToKeys } from './keys.js';
+import { Loops } from './loops.js';
 import { Measures } from './measures.js';
 import { Picked } from './picked.js';
-import { listenToClicks, pickKeyframe, pickPlace } from './picking.js';
+import { listenToClicks, pickKeyframe, pickLoop, pickPlace } from './picking.js';
 import { RunState } from './runState.js';
 import { showScale } from './scaleBar.js';
 import { listenToTheme } from './theme.js';
@@ -26,6 +27,7 @@ export class Panel {
     this.clip = new ClipBox(document.querySelectorAll('[data-clip]'), view);
     this.measures = new Measures(view, at('measures'));
     this.picked = new Picked(this, at('picked'));
+    this.loops = new Loops(this);
     this.listenToRun();
     this.listenToView();
     this.listenToPicks();
@@ -87,12 +89,14 @@ export class Panel {
     at('unclip').onclick = () => this.clip.reset();
   }
 
-  /** What a click at (x, y) does: measures, or shows a keyframe or point. */
+  /** What a click at (x, y) does: measures, or shows a keyframe, loop or point. */
   pick(x, y) {
-    const { view, picked, measures } = this;
+    const { view, picked, measures, loops } = this;
     const keyframe = measures.kind ? undefined : pickKeyframe(view, x, y);
     if (keyframe !== undefined) return picked.showKeyframe(keyframe);
     const place = pickPlace(view, x, y);
+    const loop = measures.kind ? undefined : pickLoop(view, x, y, loops.lines, place);
+    if (loop !== undefined) return loops.select(loop);
     if (!place) return measures.kind ? undefined : picked.clear();
     return measures.kind ? measures.add(place) : picked.showPlace(place);
   }
@@ -132,6 +136,8 @@ export class Panel {
       clear: () => this.clear(),
       follow: () => this.setCamera('follow'),
       loops: () => document.querySelector('[data-layer=loops]').click(),
+      nextLoop: ({ shiftKey }) => this.loops.step(shiftKey ? -1 : 1),
+      closeLoop: () => this.loops.deselect(),
       nextColor: () => selectNext(at('color')),
       nextUp: () => at('upChoice').hidden || selectNext(at('up')),
       lowerCut: () => this.cut.move(-1),
@@ -162,6 +168,7 @@ export class Panel {
   clear() {
     this.measures.clear();
     this.picked.clear();
+    this.loops.deselect();
   }
 
   /** Restores the initial view. */

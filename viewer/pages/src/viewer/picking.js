@@ -4,6 +4,7 @@ import { Matrix4, Ray, Raycaster, Vector2, Vector3 } from 'three';
 
 const REACH_PX = 12; // of a point from the pointer
 const KEYFRAME_REACH_PX = 12;
+const LINE_REACH_PX = 6;
 const CENTRAL = 0.02; // of its distance: a point in the middle wins against one that much nearer at the edge
 
 /** Calls onClick(x, y), px from the corner of the canvas, on clicks that are no drags. */
@@ -31,6 +32,29 @@ export function pickKeyframe(view, x, y) {
     if (px < best.px) best = { px, keyframe };
   });
   return best.keyframe;
+}
+
+/** The loop of `lines` [loop, keyframe, keyframe] that passes nearest to (x, y), unless `place` hides it. */
+export function pickLoop(view, x, y, lines, place) {
+  const { camera } = view.cameraControls;
+  const { clientWidth, clientHeight } = view.renderer.domElement;
+  if (!view.world.layers.loops.visible) return undefined;
+  const HIDDEN_M = 0.05; // so far behind the surface
+  const limitM = place ? camera.position.distanceTo(place) + HIDDEN_M : Infinity;
+  const raycaster = new Raycaster();
+  raycaster.setFromCamera(new Vector2((2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight), camera);
+  const places = view.keyframePlaces();
+  const pixelsPerRadian = view.cameraControls.pixelsPerRadian(clientHeight);
+  let best = { px: LINE_REACH_PX };
+  for (const [loop, a, b] of lines) {
+    if (!places[a] || !places[b]) continue;
+    const [onRay, onLine] = [new Vector3(), new Vector3()];
+    raycaster.ray.distanceSqToSegment(places[a], places[b], onRay, onLine);
+    const awayM = camera.position.distanceTo(onLine);
+    const px = (pixelsPerRadian * onRay.distanceTo(onLine)) / Math.max(1e-6, awayM);
+    if (px < best.px && awayM < limitM) best = { px, loop };
+  }
+  return best.loop;
 }
 
 /** The visible point of the map under (x, y), in the scene; undefined if there is none. */

@@ -55,6 +55,15 @@ export class Timeline {
     return this.keyframes?.find((frame) => this.frames.keyframe[frame] === keyframe);
   }
 
+  /** Seconds from the first frame to that stamp; undefined if the timeline does not cover it. */
+  sinceStartS(stampS) {
+    if (!this.shown) return undefined;
+    const { stampS: stamps } = this.frames;
+    const TOLERANCE_S = 1e-6; // of stamps as text
+    const covered = stampS >= stamps[0] - TOLERANCE_S && stampS <= stamps.at(-1) + TOLERANCE_S;
+    return covered ? stampS - stamps[0] : undefined;
+  }
+
   get shown() {
     return this.frames !== undefined;
   }

@@ -10,7 +10,10 @@ import { NO_KEYFRAME } from './messages.js';
 import { meshOf, readModel } from './models.js';
 import { matrixOf, PART_LENGTH, poseFrom, Poses } from './poses.js';
 
-const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, loops: 0xff8a3d, truth: 0xb9bcc4 };
+const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, truth: 0xb9bcc4 };
+const LOOP_COLORS = { accepted: 0xff8a3d, provisional: 0xb48cff, rejected: 0xe05252, withdrawn: 0x8f96a3 };
+const SELECTED = 0xffc400;
+const DASH_M = 0.04;
 const KEYFRAME_SIZE_M = 0.06;
 const CAMERA_SIZE_M = 0.16;
 const OWN_WORLD = new Matrix4();
@@ -35,11 +38,19 @@ export class World {
       keyframes: new Lines({ color: COLORS.keyframes, segments: true, opacity: 0.7 }),
       camera: new Lines({ color: COLORS.camera, segments: true }),
       covisibility: new Lines({ color: COLORS.covisibility, segments: true, opacity: 0.5 }),
-      loops: new Lines({ color: COLORS.loops, segments: true, opacity: 0.3 }),
       truth: new Lines({ color: COLORS.truth }),
     };
     const layerOf = { camera: 'path', doubt: 'path' };
     for (const [name, lines] of Object.entries(this.lines)) this.layers[layerOf[name] ?? name].add(lines.object);
+    this.loopLines = {};
+    for (const [status, color] of Object.entries(LOOP_COLORS)) {
+      this.loopLines[status] = new Lines({ color, segments: true, opacity: status === 'accepted' ? 0.3 : 0.8 });
+      this.layers.loops.add(this.loopLines[status].object);
+    }
+    this.selectedLines = new Lines({ color: SELECTED, segments: true });
+    this.selectedLines.object.material.depthTest = false; // also behind surfaces
+    this.selectedLines.object.renderOrder = 2;
+    this.layers.loops.add(this.selectedLines.object);
     this.cameraPicture = pictureMesh();
     this.layers.path.add(this.cameraPicture);
     this.lines.doubt.object.renderOrder = 1; // over the path, at the same places
@@ -54,6 +65,7 @@ export class World {
     this.models = [];
     this.parts = { path: [], covisibility: [] };
     this.loops = new Uint32Array(0);
+    this.showLoops({});
     this.doubt = new Uint32Array(0);
     this.truth = new Float32Array(0);
     this.truthPose = OWN_WORLD;
@@ -77,7 +89,7 @@ export class World {
       keyframes: () => this.poses.take(index, body),
       path: () => (this.parts.path[index] = body),
       covisibility: () => (this.parts.covisibility[index] = body),
-      loops: () => (this.loops = body),
+      loops: () => this.showLoops({ accepted: (this.loops = body) }),
       doubt: () => (this.doubt = body),
       cloud: () => this.takePiece(index, body),
       mesh: () => this.addModel(meshOf(body, this.clipPlanes)),
@@ -88,6 +100,13 @@ export class World {
     }[kind];
     if (!take) return;
     take();
+    this.moved = true;
+  }
+
+  /** Draws loops: pairs of keyframes by status, and the selected pair if there is one. */
+  showLoops(edges, selected) {
+    this.loopEdges = edges;
+    this.selectedLoop = selected;
     this.moved = true;
   }
 
@@ -125,7 +144,7 @@ export class World {
       keyframes: this.poses.count > 0,
       images: this.pictures.count > 0,
       covisibility: this.parts.covisibility.length > 0,
-      loops: this.loops.length > 0,
+      loops: Object.values(this.loopEdges).some((pairs) => pairs.length > 0),
       truth: this.truth.length > 0,
     }[layer];
   }
@@ -241,13 +260,22 @@ export class World {
   }
 
   drawEdges() {
-    const addPairs = (add, pairs) => {
+    const addPairs = (add, pairs, addLine = addWhole) => {
       for (let i = 0; i < pairs.length; i += 2) {
         const [a, b] = [this.poses.at(pairs[i]), this.poses.at(pairs[i + 1])];
-        if (a && b) [a, b].forEach((pose) => add(new Vector3().setFromMatrixPosition(pose)));
+        if (a && b) addLine(add, ...[a, b].map((pose) => new Vector3().setFromMatrixPosition(pose)));
       }
     };
-    this.lines.loops.fill((add) => addPairs(add, this.loops));
+    for (const [status, lines] of Object.entries(this.loopLines)) {
+      lines.fill((add) => addPairs(add, this.loopEdges[status] ?? [], status === 'accepted' ? addWhole : addDashes));
+    }
+    this.selectedLines.fill((add) => {
+      if (!this.selectedLoop) return;
+      addPairs(add, this.selectedLoop);
+      for (const keyframe of this.selectedLoop) {
+        if (this.poses.at(keyframe)) addFrustum(add, this.poses.at(keyframe), this.frustum, CAMERA_SIZE_M);
+      }
+    });
     this.lines.covisibility.fill((add) => this.parts.covisibility.forEach((pairs) => addPairs(add, pairs)));
   }
 
@@ -282,6 +310,17 @@ function dispose({ geometry, material }) {
   geometry?.dispose();
   material?.map?.dispose();
   material?.dispose();
+}
+
+function addWhole(add, from, to) {
+  [from, to].forEach(add);
+}
+
+/** A dashed line. */
+function addDashes(add, from, to) {
+  const MOST = 500;
+  const steps = Math.min(MOST, Math.max(3, Math.ceil(from.distanceTo(to) / DASH_M) | 1));
+  for (let i = 0; i < steps; i += 2) [i, i + 1].forEach((step) => add(new Vector3().lerpVectors(from, to, step / steps)));
 }
 
 /** The eight edges of a pyramid that looks along z; `frustum`: half its width and height at z = 1. */
