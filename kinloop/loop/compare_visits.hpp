@@ -7,11 +7,19 @@
 
 namespace kinloop {
 
+/// What the keyframes of one part say of the other.
+struct RoomComparison {
+  DepthConsistency depths;
+  int views = 0;            ///< pairs of keyframes that were compared
+  int different_views = 0;  ///< of these, those with a region that looks different, see appearance_p_value
+};
+
 /// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view
 /// is nearest to its own, if the loop is true. Allows for drift with the distance from the loop.
-DepthConsistency compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor);
+RoomComparison compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor);
 
-/// Returns whether so many keypoints violate free space that these are different rooms.
-bool refutes_same_room(const DepthConsistency& depths);
+/// Returns whether so many keypoints violate free space, or so many views look different, that these are
+/// different rooms.
+bool refutes_same_room(const RoomComparison& comparison);
 
 }  // namespace kinloop

@@ -1,5 +1,8 @@
 #include "kinloop/loop/compare_visits.hpp"
 
+#include <memory>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "tests/loop/wall_view.hpp"
@@ -11,16 +14,20 @@ namespace {
 /// Two visits of a wall that faces the camera, `wall_m` away, from places 0.5 m apart.
 class TwoVisits : public testing::Test {
  protected:
-  void visit(double wall_m) {
+  void visit(double wall_m, int different_views = 0) {
     const uint32_t component = map_.component_count();
     for (uint32_t i = 0; i < 6; ++i) {
       const SE3 T_world_camera = test::camera_at(0, {0.5 * i, 0, 0});
-      map_.add_keyframe(FrameId{10 * component + i}, 0, T_world_camera, test::wall_view(wall_m), component);
+      Features features = *test::wall_view(wall_m);
+      if (i < static_cast<uint32_t>(different_views))
+        features.descriptors.rowRange(0, features.descriptors.rows / 4) = 255;
+      map_.add_keyframe(FrameId{10 * component + i}, 0, T_world_camera,
+                        std::make_shared<const Features>(std::move(features)), component);
     }
   }
 
   /// Compares them if the first keyframes of both are at one place.
-  [[nodiscard]] DepthConsistency compare() const {
+  [[nodiscard]] RoomComparison compare() const {
     return compare_components(map_, {KeyframeId{0}, KeyframeId{6}, SE3{}}, sensor_);
   }
 
@@ -30,10 +37,26 @@ class TwoVisits : public testing::Test {
 
 TEST_F(TwoVisits, OfOneRoomAgree) {
   visit(2), visit(2);
-  const DepthConsistency depths = compare();
-  EXPECT_EQ(depths.free_space_violations, 0);
-  EXPECT_GT(depths.consistent, 5000);
-  EXPECT_FALSE(refutes_same_room(depths));
+  const RoomComparison same = compare();
+  EXPECT_EQ(same.depths.free_space_violations, 0);
+  EXPECT_GT(same.depths.consistent, 5000);
+  EXPECT_EQ(same.views, 6);
+  EXPECT_EQ(same.different_views, 0);
+  EXPECT_FALSE(refutes_same_room(same));
+}
+
+TEST_F(TwoVisits, OfAnotherFloorWithOtherPicturesLookDifferent) {
+  visit(2), visit(2, 2);
+  const RoomComparison floors = compare();
+  EXPECT_EQ(floors.depths.free_space_violations, 0);
+  EXPECT_EQ(floors.different_views, 2);
+  EXPECT_TRUE(refutes_same_room(floors));
+}
+
+TEST_F(TwoVisits, WhereOnePictureWasReplacedAreOfOneRoom) {
+  visit(2), visit(2, 1);
+  EXPECT_EQ(compare().different_views, 1);
+  EXPECT_FALSE(refutes_same_room(compare()));
 }
 
 TEST_F(TwoVisits, OfASmallerRoomSeeThroughItsWalls) {
@@ -50,9 +73,10 @@ TEST_F(TwoVisits, ViewsThatDoNotOverlapSayNothing) {
   away.T_world_camera.emplace_back(KeyframeId{6}, test::camera_at(1.5, {0, 0, 20}));
   ASSERT_TRUE(map_.apply(away));
   const SE3 T_far = test::camera_at(3, {30, 0, 0});
-  const DepthConsistency depths = compare_components(map_, {KeyframeId{0}, KeyframeId{6}, T_far}, sensor_);
-  EXPECT_EQ(depths.consistent + depths.free_space_violations, 0);
-  EXPECT_FALSE(refutes_same_room(depths));
+  const RoomComparison none = compare_components(map_, {KeyframeId{0}, KeyframeId{6}, T_far}, sensor_);
+  EXPECT_EQ(none.depths.consistent + none.depths.free_space_violations, 0);
+  EXPECT_EQ(none.views, 0);
+  EXPECT_FALSE(refutes_same_room(none));
 }
 
 TEST_F(TwoVisits, DriftExplainsMoreFartherFromTheLoop) {
@@ -61,9 +85,9 @@ TEST_F(TwoVisits, DriftExplainsMoreFartherFromTheLoop) {
   stretched.epoch = map_.epoch();
   for (uint32_t i = 0; i < 12; ++i)
     stretched.T_world_camera.emplace_back(KeyframeId{i}, test::camera_at(0, {2.4 * (i % 6), 0, 0}));
-  const DepthConsistency near = compare();
+  const DepthConsistency near = compare().depths;
   ASSERT_TRUE(map_.apply(stretched));
-  const DepthConsistency far = compare();
+  const DepthConsistency far = compare().depths;
   EXPECT_LT(far.free_space_violations, near.free_space_violations);
 }
 
