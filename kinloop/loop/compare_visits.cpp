@@ -48,7 +48,7 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
 }
 
 bool refutes_same_room(const RoomComparison& comparison) {
-  constexpr double kMaxViolations = 0.03;  // of all keypoints, see docs/place.md; edges of depth cause some
+  constexpr double kMaxViolations = 0.02;  // of all keypoints, see docs/place.md; edges of depth cause some
   // In the rooms 100 to 104, 4 % of the views of one room look different, 11 % if chairs were pushed, and 41
   // % or more of those of another floor with the same desks.
   constexpr double kMaxDifferentViews = 0.25;
