@@ -1,11 +1,10 @@
 // kinloop map: shows the content of a map file, merges maps, compares them, says in which of them a camera
 // is, or takes false loops out of one.
 
-#include <set>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/map/components_of.hpp"
 #include "apps/map/map_diff.hpp"
 #include "apps/map/map_locate.hpp"
 #include "apps/map/map_withdraw.hpp"
@@ -26,12 +25,6 @@ namespace kinloop {
 namespace {
 
 using nlohmann::json;
-
-size_t components_of(const std::vector<Keyframe>& keyframes) {
-  std::set<uint32_t> components;
-  for (const Keyframe& keyframe : keyframes) components.insert(keyframe.component);
-  return components.size();
-}
 
 json sessions_json(const SavedMap& saved) {
   json sessions = json::array();

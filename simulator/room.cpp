@@ -16,15 +16,31 @@
 namespace kinloop::sim {
 namespace {
 
-constexpr double kWallMargin_m = 1.45, kSpaciousWallMargin_m = 2.4;  // from the path's bounding box
-constexpr double kCorridorMargin_m = 0.95;
-constexpr double kMinSide_m = 3.6, kMinCorridorSide_m = 1.9, kMinHeight_m = 2.8;
+constexpr double kMinHeight_m = 2.8;
 constexpr double kCameraHeight_m = 1.45;
 constexpr double kMaxPath_m = 25;
 constexpr double kMinCameraHeight_m = 0.45, kHeadRoom_m = 0.45;
 
+/// How much room there is around the path.
+struct Spacing {
+  double wall_margin_m;  ///< from the path's bounding box
+  double min_side_m;     ///< of the room
+};
+
+Spacing spacing_of(Furnishing furnishing) {
+  switch (furnishing) {
+    case Furnishing::kCorridor:
+      return {0.95, 1.9};
+    case Furnishing::kSpacious:
+      return {2.4, 3.6};
+    case Furnishing::kDense:
+      break;
+  }
+  return {1.45, 3.6};
+}
+
 /// Pose of the room: z along `up`, walls along the world's other axes as far as these are horizontal.
-SE3 place_room(const Trajectory& path, double margin_m, double min_side_m, Eigen::Vector3d& size_m) {
+SE3 place_room(const Trajectory& path, const Spacing& spacing, Eigen::Vector3d& size_m) {
   const Eigen::Quaterniond R_world_room =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), estimate_up_direction(path));
   Eigen::AlignedBox3d box;
@@ -39,7 +55,7 @@ SE3 place_room(const Trajectory& path, double margin_m, double min_side_m, Eigen
                                  box.sizes().maxCoeff(), kMaxPath_m));
   }
   const double floor = std::min(median(heights) - kCameraHeight_m, box.min().z() - kMinCameraHeight_m);
-  size_m = (box.sizes().array() + 2 * margin_m).max(min_side_m);
+  size_m = (box.sizes().array() + 2 * spacing.wall_margin_m).max(spacing.min_side_m);
   size_m.z() = std::max(kMinHeight_m, box.max().z() + kHeadRoom_m - floor);
   const Eigen::Vector3d origin(box.center().x(), box.center().y(), floor);
   return {R_world_room, R_world_room * origin};
@@ -67,11 +83,6 @@ Furnishing furnishing_of(const RoomRequest& request) {
   return spacious ? Furnishing::kSpacious : Furnishing::kDense;
 }
 
-double wall_margin_m(Furnishing furnishing) {
-  if (furnishing == Furnishing::kCorridor) return kCorridorMargin_m;
-  return furnishing == Furnishing::kSpacious ? kSpaciousWallMargin_m : kWallMargin_m;
-}
-
 }  // namespace
 
 Trajectory in_room_frame(Trajectory path, const SE3& T_room_world) {
@@ -83,9 +94,7 @@ Room build_room(const Trajectory& path, const RoomRequest& request, int threads)
   require(!path.empty(), "a room needs a path to be built around");
   Room room;
   const Furnishing furnishing = furnishing_of(request);
-  room.T_world_room =
-      place_room(path, wall_margin_m(furnishing),
-                 furnishing == Furnishing::kCorridor ? kMinCorridorSide_m : kMinSide_m, room.size_m);
+  room.T_world_room = place_room(path, spacing_of(furnishing), room.size_m);
   const SE3 T_room_world = room.T_world_room.inverse();
   Palette palette(hash(request.seed, 1), threads);
   const Eigen::Vector3f size_m = room.size_m.cast<float>();

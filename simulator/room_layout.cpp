@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace kinloop::sim {
 namespace {
@@ -196,16 +195,15 @@ Parts RoomLayout::door_leaf() {
 }
 
 void RoomLayout::add_door(Wall& wall) {
-  constexpr float kWidth = kDoorWidth_m, kHeight = kDoorHeight_m, kDoorThickness = kDoorThickness_m;
-  const float along = builder_.uniform(-0.35F, 0.35F) * (wall.length_m - kWidth);
+  const float along = builder_.uniform(-0.35F, 0.35F) * (wall.length_m - kDoorWidth_m);
   const Parts door = place_at_wall(wall, door_leaf(), along, 0);
   door_.first_part = parts_.size();
   parts_.insert(parts_.end(), door.begin(), door.end());
   // A poster, and a note by the handle.
   const float poster_x = builder_.uniform(-0.1F, 0.1F);
-  const Parts poster = moved(builder_.wall_picture(0.5F, 0.62F), 0, {poster_x, -kDoorThickness, 1.5F});
+  const Parts poster = moved(builder_.wall_picture(0.5F, 0.62F), 0, {poster_x, -kDoorThickness_m, 1.5F});
   const float note_x = builder_.uniform(-0.2F, 0.2F);
-  const Parts note = moved(builder_.wall_picture(0.3F, 0.24F), 0, {note_x, -kDoorThickness, 0.8F});
+  const Parts note = moved(builder_.wall_picture(0.3F, 0.24F), 0, {note_x, -kDoorThickness_m, 0.8F});
   for (const Parts& paper : {place_at_wall(wall, poster, along, 0), place_at_wall(wall, note, along, 0)}) {
     parts_.insert(parts_.end(), paper.begin(), paper.end());
   }
@@ -213,15 +211,15 @@ void RoomLayout::add_door(Wall& wall) {
   door_.wall_yaw_rad = wall.yaw_rad;
   door_.wall_distance_m = wall.distance_m;
   door_.along_m = along;
-  door_.width_m = kWidth;
-  door_.height_m = kHeight;
+  door_.width_m = kDoorWidth_m;
+  door_.height_m = kDoorHeight_m;
   door_.wall_part = wall.first_part;
   door_.board_part = wall.first_part + 1;
-  wall.covered.push_back(
-      {Eigen::Vector2f(along - kWidth / 2, 0), Eigen::Vector2f(along + kWidth / 2, kHeight)});
+  wall.covered.push_back({Eigen::Vector2f(along - kDoorWidth_m / 2, 0),
+                          Eigen::Vector2f(along + kDoorWidth_m / 2, kDoorHeight_m)});
   // Clearance for opening the door.
   footprints_.push_back(
-      footprint(place_at_wall(wall, {make_box({0, -0.35F, 1}, {kWidth, 0.7F, 2}, {})}, along, 0)));
+      footprint(place_at_wall(wall, {make_box({0, -0.35F, 1}, {kDoorWidth_m, 0.7F, 2}, {})}, along, 0)));
 }
 
 /// A door and a notice board in each period.

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/map/components_of.hpp"
 #include "apps/map/withdraw_loops.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/progress_bar.hpp"
@@ -93,12 +94,6 @@ std::vector<LoopEnds> find_loops(const WithdrawArguments& arguments, const MapDa
   return {found.begin(), found.end()};
 }
 
-size_t components_of(const Map& map) {
-  std::set<uint32_t> components;
-  for (const Keyframe& keyframe : map.keyframes()) components.insert(keyframe.component);
-  return components.size();
-}
-
 void withdraw(const WithdrawArguments& arguments) {
   const auto path = map_file_of(arguments.map);
   require_different_file("-o", arguments.output, path);
@@ -121,8 +116,8 @@ void withdraw(const WithdrawArguments& arguments) {
   if (arguments.quiet) return;
   fmt::print(message_stream(arguments.output),
              "{} loops withdrawn, {} left; {} keyframes in {} component(s), in {}\n", loops.size(),
-             slam.map().loop_closures().size(), slam.map().keyframes().size(), components_of(slam.map()),
-             arguments.output.string());
+             slam.map().loop_closures().size(), slam.map().keyframes().size(),
+             components_of(slam.map().keyframes()), arguments.output.string());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/map/keyframe_poses.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {
@@ -48,12 +49,6 @@ void solve_again(Map& map, const Sensor& sensor, const PlaceOptions& options) {
   for (uint32_t i = 0; i < T_world_vertex.size(); ++i)
     update.T_world_camera.emplace_back(KeyframeId{i}, T_world_vertex[i]);
   map.apply(update);
-}
-
-std::vector<SE3> keyframe_poses(const Map& map) {
-  std::vector<SE3> T_world_keyframe;
-  for (const Keyframe& keyframe : map.keyframes()) T_world_keyframe.push_back(keyframe.T_world_camera);
-  return T_world_keyframe;
 }
 
 }  // namespace

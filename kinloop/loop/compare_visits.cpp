@@ -49,8 +49,8 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
 
 bool refutes_same_room(const RoomComparison& comparison) {
   constexpr double kMaxViolations = 0.02;  // of all keypoints, see docs/place.md; edges of depth cause some
-  // In the rooms 100 to 104, 4 % of the views of one room look different, 11 % if chairs were pushed, and 41
-  // % or more of those of another floor with the same desks.
+  // In the rooms 100 to 104 at most 4 % of the views of one room look different, 11 % where chairs were
+  // pushed, and at least 41 % of those of another floor with the same desks.
   constexpr double kMaxDifferentViews = 0.25;
   constexpr int kMinViews = 4;
   const bool looks_different =

@@ -13,6 +13,7 @@
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/report_text.hpp"
 #include "viewer/report/run_up_direction.hpp"
+#include "viewer/saved_loops.hpp"
 
 KINLOOP_EMBED_FILE(embedded_report_page, KINLOOP_PAGE)
 
@@ -81,21 +82,11 @@ json frames_json(const FrameTable& frames, int64_t start_ns) {
   return columns;
 }
 
-/// Pairs of keyframe indices.
+/// Pairs of keyframe indices of accepted loops.
 json loops_json(const RunReport& run) {
-  const auto index_of = [&](const json& loop, const char* key) {
-    if (!loop.contains(key) || !loop[key].is_string()) return run.keyframes.size();
-    const auto stamp_ns = parse_stamp_ns(loop[key].get<std::string>());
-    size_t index = 0;
-    while (index < run.keyframes.size() && run.keyframes[index].stamp_ns != stamp_ns) ++index;
-    return index;
-  };
   json pairs = json::array();
-  if (!run.metrics.contains("loops") || !run.metrics["loops"].is_array()) return pairs;
-  for (const json& loop : run.metrics["loops"]) {
-    const size_t a = index_of(loop, "stamp_a"), b = index_of(loop, "stamp_b");
-    if (a < run.keyframes.size() && b < run.keyframes.size()) pairs.push_back({a, b});
-  }
+  for (const auto& [a, b] : accepted_pairs(loops_of(run.metrics, run.keyframes)))
+    pairs.push_back({a.value, b.value});
   return pairs;
 }
 

@@ -2,16 +2,9 @@
 
 #include <utility>
 
+#include "kinloop/map/keyframe_poses.hpp"
+
 namespace kinloop {
-namespace {
-
-std::vector<SE3> keyframe_poses(const Map& map) {
-  std::vector<SE3> T_world_keyframe;
-  for (const Keyframe& keyframe : map.keyframes()) T_world_keyframe.push_back(keyframe.T_world_camera);
-  return T_world_keyframe;
-}
-
-}  // namespace
 
 void LoopCorrectionJob::add(const std::vector<LoopMerges>& merges) {
   merges_.insert(merges_.end(), merges.begin(), merges.end());
