@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/map/merge_maps.hpp"
+#include "apps/map/compare_maps.hpp"
 #include "apps/shared/common_options.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
 #include "apps/shared/standard_output.hpp"
-#include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
-#include "tools/map_difference/map_difference.hpp"
 
 namespace kinloop {
 namespace {
@@ -24,18 +21,6 @@ struct DiffArguments {
   bool as_json = false;
   bool quiet = false;
 };
-
-/// Returns the views of the component that holds most images of both maps, split by the map they are of.
-std::pair<std::vector<PosedImage>, std::vector<PosedImage>> views_of_both(const MergedMaps& merged) {
-  std::pair<std::vector<PosedImage>, std::vector<PosedImage>> both;
-  const Slam& slam = *merged.slam;
-  const uint32_t component = main_component(slam.log(), slam.map());
-  for (const PosedImage& view : merged.recorder->views(slam.log(), slam.map(), component)) {
-    const bool is_of_a = merged.recorder->frame_of_image(view.image) < merged.first_of_b;
-    (is_of_a ? both.first : both.second).push_back(view);
-  }
-  return both;
-}
 
 std::string text_of(const MapDifference& difference, const FileFrame& frame) {
   if (difference.objects.empty()) return "no object is gone, added or moved\n";
@@ -62,26 +47,10 @@ void diff(const DiffArguments& arguments) {
   require_writable_file(arguments.output);
   install_interrupt_handler();
   const Progress progress = interruptible(make_progress_bar(arguments.quiet || arguments.as_json));
-  const MergedMaps merged = merge_maps(arguments.maps, progress);
-  throw_if_interrupted();
-  if (merged.loops_between == 0) {
-    throw InputError(fmt::format("{}: no place of {} was recognised in it, so they cannot be compared",
-                                 arguments.maps.b.string(), arguments.maps.a.string()));
-  }
-  const auto [views_a, views_b] = views_of_both(merged);
-  require_images(views_a.size(), arguments.maps.a);
-  require_images(views_b.size(), arguments.maps.b);
-  DenseRecorder& recorder = *merged.recorder;
-  const DenseOptions& dense = merged.options.dense;
-  const ComparisonOptions options{dense_camera(merged.camera, merged.slam->sensor_estimate()), dense.limits,
-                                  dense.voxel_m, hardware_threads()};
-  const ColoredCloud before = recorder.fuse_views(views_a, options.camera, options.threads, progress);
-  const ColoredCloud after = recorder.fuse_views(views_b, options.camera, options.threads, progress);
-  const Visit visit_a{before, {recorder.images(), views_a}}, visit_b{after, {recorder.images(), views_b}};
-  const MapDifference difference = compare_visits_of_place(visit_a, visit_b, options, progress);
-  throw_if_interrupted();
-  const FileFrame frame = file_frame("z-up", recorder.up(views_a, options.camera), views_a);
-  write_ply(arguments.output, color_difference(visit_a, visit_b, difference), frame);
+  const ComparedMaps compared = compare_maps(arguments.maps, progress);
+  const MapDifference& difference = compared.difference;
+  const FileFrame frame = compared.file_frame();
+  write_ply(arguments.output, color_difference(compared.before, compared.after, difference), frame);
   if (arguments.as_json) {
     nlohmann::json numbers = to_json(difference, frame.T_file_world().rotation);
     numbers["cloud"] = arguments.output.string();

@@ -15,9 +15,9 @@
 namespace kinloop {
 
 struct MergeRequest {
-  std::filesystem::path a, b;  ///< map files, or folders of runs
-  std::string vocabulary;      ///< file; empty: built-in
-  std::vector<std::string> assignments;
+  std::filesystem::path a, b;   ///< map files, or folders of runs
+  std::string vocabulary = {};  ///< file; empty: built-in
+  std::vector<std::string> assignments = {};
 };
 
 struct MergedMaps {

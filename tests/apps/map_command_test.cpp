@@ -406,6 +406,8 @@ TEST_F(MapCommand, MapsOfTwoPlacesAreNotCompared) {
   EXPECT_EQ(run("map diff -q " + ran() + " " + at("elsewhere") + " -o " + at("none.ply")), kBadInput);
   EXPECT_THAT(err_, HasSubstr("no place of"));
   EXPECT_FALSE(std::filesystem::exists(at("none.ply")));
+  EXPECT_EQ(run("view " + ran() + " --compare " + at("elsewhere") + " --port 0"), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("no place of"));
 }
 
 TEST_F(MapCommand, LocatesASequenceAmongSeveralMaps) {

@@ -5,33 +5,10 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
+import { findings } from './axe.mjs';
 import { withBrowser, seen, until } from './harness.mjs';
 
-const { KINLOOP_PAGES_SOURCE } = process.env;
-const AXE = readFileSync(join(KINLOOP_PAGES_SOURCE, 'node_modules/axe-core/axe.min.js'), 'utf8');
 const SMALL = ['--set', 'sim.fps=5', '--set', 'sim.width=320', '--set', 'sim.height=240'];
-const SCREENS = { desktop: { width: 1280, height: 800 }, phone: { width: 390, height: 844 } };
-
-/** What axe-core finds on the page as it is now: a line for each element. */
-async function findings(page) {
-  await page.evaluate(AXE);
-  const { violations } = await page.evaluate(() => window.axe.run());
-  return violations.flatMap(({ id, help, nodes }) => nodes.map(({ target, any }) => `${id} (${help}): ${target} ${any[0]?.message ?? ''}`));
-}
-
-/** What is found on both screens in light and dark. */
-async function check(page, name) {
-  const found = [];
-  for (const [screen, size] of Object.entries(SCREENS)) {
-    for (const colorScheme of ['light', 'dark']) {
-      await page.setViewportSize(size);
-      await page.emulateMedia({ colorScheme });
-      await page.waitForTimeout(300); // colours fade
-      for (const finding of await findings(page)) found.push(`${name}, ${screen}, ${colorScheme}: ${finding}`);
-    }
-  }
-  return found;
-}
 
 /** The first keyframe of a run with three others, as run.json lists loops. */
 function loopsOfEveryStatus(folder) {
@@ -46,9 +23,9 @@ await withBrowser(async ({ open, kinloop, folder }) => {
   const found = [];
   const saved = await open(await kinloop('view', out, '--port', '0').url());
   await until(async () => (await seen(saved)).points > 1000, 'the cloud is there');
-  found.push(...(await check(saved, 'viewer')));
+  found.push(...(await findings(saved, 'viewer')));
   await saved.evaluate(() => window.kinloop.panel.picked.showKeyframe(0));
-  found.push(...(await check(saved, 'viewer with a keyframe selected')));
+  found.push(...(await findings(saved, 'viewer with a keyframe selected')));
   await saved.close();
 
   // With loops of every status, and one selected.
@@ -57,7 +34,7 @@ await withBrowser(async ({ open, kinloop, folder }) => {
   const looped = await open(await kinloop('view', out, '--port', '0').url());
   await until(() => looped.isVisible('#loopList'), 'the loops are listed');
   await looped.evaluate(() => window.kinloop.panel.loops.select(0));
-  found.push(...(await check(looped, 'viewer with loops')));
+  found.push(...(await findings(looped, 'viewer with loops')));
   await looped.close();
 
   const [summary, doubtful] = [join(out, 'run.json'), join(folder, 'doubtful.html')];
@@ -68,7 +45,7 @@ await withBrowser(async ({ open, kinloop, folder }) => {
   assert.equal(await kinloop('share', out, '-o', shared).ended, 0);
   for (const [name, file] of Object.entries({ report: join(out, 'report.html'), 'doubtful report': doubtful, 'shared room': shared })) {
     const page = await open(pathToFileURL(file).href);
-    found.push(...(await check(page, name)));
+    found.push(...(await findings(page, name)));
     await page.close();
   }
   assert.deepEqual(found, []);

@@ -101,6 +101,8 @@ TEST(MapDifference, TellsWhatIsGoneAndWhatWasAdded) {
   ASSERT_THAT(changes(added), ElementsAre(ObjectChange::kAdded));
   EXPECT_LT((added.objects[0].center_m - Eigen::Vector3d(0.35, 0.05, 2)).norm(), 0.03);
   EXPECT_NEAR(added.objects[0].surface_m2, 0.09, 0.04);
+  EXPECT_THAT(added.objects[0].points_before, SizeIs(0));
+  EXPECT_GT(added.objects[0].points_after.size(), 100U);
 }
 
 TEST(MapDifference, AnObjectElsewhereWasMoved) {
@@ -109,6 +111,14 @@ TEST(MapDifference, AnObjectElsewhereWasMoved) {
   ASSERT_THAT(changes(difference), ElementsAre(ObjectChange::kMoved));
   const Eigen::Vector3d by = difference.objects[0].moved_to_m - difference.objects[0].center_m;
   EXPECT_LT((by - Eigen::Vector3d(-0.4, 0.1, 0.2)).norm(), 0.03);
+  const auto mean_of = [](const ColoredCloud& cloud, const std::vector<uint32_t>& points) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const uint32_t i : points) sum += cloud.points[i];
+    return Eigen::Vector3d((sum / static_cast<float>(points.size())).cast<double>());
+  };
+  const ChangedObject& ball = difference.objects[0];
+  EXPECT_LT((mean_of(before.visit().cloud, ball.points_before) - ball.center_m).norm(), 1e-3);
+  EXPECT_LT((mean_of(after.visit().cloud, ball.points_after) - ball.moved_to_m).norm(), 1e-3);
 }
 
 TEST(MapDifference, AnotherObjectInItsPlaceElsewhereIsNotTheOneThatIsGone) {
@@ -134,7 +144,7 @@ TEST(MapDifference, IsWrittenAsNumbersAndColours) {
   EXPECT_NEAR(numbers["objects"][0]["center_m"][2].get<double>(), 0.05, 0.03) << "y became z";
   const auto gone = numbers["before"]["gone"].get<int>();
   EXPECT_GT(gone, 100);
-  const ColoredCloud cloud = color_difference(with.visit(), without.visit(), difference);
+  const ColoredCloud cloud = color_difference(with.visit().cloud, without.visit().cloud, difference);
   ASSERT_EQ(cloud.size(), with.visit().cloud.size() + without.visit().cloud.size());
   const auto is_red = [](const Rgb& color) { return color[0] > 2 * color[1]; };
   EXPECT_EQ(std::ranges::count_if(cloud.colors, is_red), gone);

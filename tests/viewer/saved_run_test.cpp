@@ -17,6 +17,7 @@
 #include "tests/io/sample_map.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/viewer/scene_parts.hpp"
 #include "viewer/keyframe_images.hpp"
 #include "viewer/scene/saved_cloud.hpp"
 
@@ -37,17 +38,9 @@ class SavedRunTest : public testing::Test {
   std::optional<ScenePart> part(const SavedRun& run, PartKind kind) {
     Scene scene("x");
     show_saved_run(scene, run);
-    uint64_t seen = 0;
-    while (const auto next = scene.next_after(seen)) {
-      if (next->kind == kind) return next;
-      seen = next->version;
-    }
-    return std::nullopt;
+    return test::part(scene, kind);
   }
-  json hello(const SavedRun& run) {
-    const auto found = part(run, PartKind::kHello);
-    return json::parse(found->body->begin(), found->body->end());
-  }
+  json hello(const SavedRun& run) { return test::json_of(*part(run, PartKind::kHello)); }
   std::string error(const std::string& name, const std::string& bytes) {
     const auto path = folder_.write(name, bytes);
     return test::input_error([&] { read_saved_run(path); });
@@ -105,6 +98,31 @@ TEST_F(SavedRunTest, HasATimelineOfItsPathWithoutAFrameTable) {
   EXPECT_EQ(frames[0].status, FrameStatus::kTracked);
   EXPECT_EQ(frames[1].status, FrameStatus::kDoubtful);
   EXPECT_TRUE(part(run, PartKind::kTimeline));
+}
+
+TEST_F(SavedRunTest, HasTheErrorsOfItsKeyframesWhereThereIsTruth) {
+  folder_.write("trajectory.txt",
+                "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n3 2 1 0 0 0 0 1\n4 3 0 0 0 0 0 1\n5 4 0 1 0 0 0 1\n");
+  folder_.write("keyframes.txt", "1 0 0 0 0 0 0 1\n3 2 1.5 0 0 0 0 1\n5 4 0 1 0 0 0 1\n");
+  EXPECT_FALSE(part(read_saved_run(folder_.path()), PartKind::kTruthErrors)) << "without truth";
+  // The true path, turned by 90 degrees about z: (x, y) is at (-y, x). There is none at the last keyframe.
+  folder_.write("groundtruth.txt", "1 0 0 0 0 0 0 1\n2 0 1 0 0 0 0 1\n3 -1 2 0 0 0 0 1\n4 0 3 0 0 0 0 1\n");
+  const auto errors = part(read_saved_run(folder_.path()), PartKind::kTruthErrors);
+  ASSERT_TRUE(errors);
+  std::vector<float> numbers(errors->body->size() / sizeof(float));
+  std::memcpy(numbers.data(), errors->body->data(), errors->body->size());
+  const std::vector<float> expected = {0, 0, 0, 0, 0, 0, 2, 1.5, 0, 2, 1, 0};
+  EXPECT_THAT(numbers, testing::Pointwise(testing::FloatNear(1e-4F), expected)) << "aligned to the truth";
+}
+
+TEST_F(SavedRunTest, HasTheErrorsOfSomeFramesWithoutKeyframes) {
+  SavedRun run;
+  for (int i = 0; i < 1001; ++i) {
+    const double x = 0.01 * i;
+    run.path.push_back({i * kNsPerSecond, {Eigen::Quaterniond::Identity(), {x, x * x, 0}}});
+  }
+  run.truth = run.path;
+  EXPECT_EQ(part(run, PartKind::kTruthErrors)->body->size(), 334 * 6 * sizeof(float)) << "every third";
 }
 
 TEST_F(SavedRunTest, ShowsTheMeshInTheFolderInTheWorldFrame) {

@@ -16,17 +16,12 @@ constexpr double kMmPerM = 1e3;
 /// Adds the groups that no pair has.
 void add_unpaired(ObjectChange change, const std::vector<PointGroup>& groups,
                   const std::vector<MovedPair>& moved, size_t MovedPair::*side,
-                  std::vector<ChangedObject>& objects) {
+                  std::vector<uint32_t> ChangedObject::*points, std::vector<ChangedObject>& objects) {
   for (size_t i = 0; i < groups.size(); ++i) {
     if (std::ranges::any_of(moved, [=](const MovedPair& pair) { return pair.*side == i; })) continue;
-    objects.push_back({change, groups[i].center_m, groups[i].center_m, groups[i].surface_m2()});
+    objects.push_back({change, groups[i].center_m, groups[i].center_m, groups[i].surface_m2(), {}, {}});
+    objects.back().*points = groups[i].points;
   }
-}
-
-Rgb gray_of(const Rgb& color) {
-  constexpr int kRed = 77, kGreen = 150, kBlue = 29, kSum = 256;  // luma of BT.601
-  const auto gray = static_cast<uint8_t>((kRed * color[0] + kGreen * color[1] + kBlue * color[2]) / kSum);
-  return {gray, gray, gray};
 }
 
 /// Appends the points of a visit, those that changed in `tint` with some of their brightness.
@@ -35,11 +30,8 @@ void append(const ColoredCloud& cloud, const std::vector<PointChange>& changes, 
   for (size_t i = 0; i < cloud.size(); ++i) {
     all.points.push_back(cloud.points[i]);
     if (!cloud.normals.empty()) all.normals.push_back(cloud.normals[i]);
-    Rgb color = gray_of(cloud.colors[i]);
-    if (changes[i] == PointChange::kChanged) {
-      for (size_t c = 0; c < color.size(); ++c) color[c] = static_cast<uint8_t>((3 * tint[c] + color[c]) / 4);
-    }
-    all.colors.push_back(color);
+    const Rgb& color = cloud.colors[i];
+    all.colors.push_back(changes[i] == PointChange::kChanged ? tinted(color, tint) : gray_of(color));
   }
 }
 
@@ -81,18 +73,33 @@ MapDifference compare_visits_of_place(const Visit& before, const Visit& after,
   const auto moved = find_moved(gone, added);
   for (const MovedPair& pair : moved) {
     const PointGroup &from = gone[pair.before], &to = added[pair.after];
-    difference.objects.push_back({ObjectChange::kMoved, from.center_m, to.center_m, from.surface_m2()});
+    difference.objects.push_back(
+        {ObjectChange::kMoved, from.center_m, to.center_m, from.surface_m2(), from.points, to.points});
   }
-  add_unpaired(ObjectChange::kGone, gone, moved, &MovedPair::before, difference.objects);
-  add_unpaired(ObjectChange::kAdded, added, moved, &MovedPair::after, difference.objects);
+  add_unpaired(ObjectChange::kGone, gone, moved, &MovedPair::before, &ChangedObject::points_before,
+               difference.objects);
+  add_unpaired(ObjectChange::kAdded, added, moved, &MovedPair::after, &ChangedObject::points_after,
+               difference.objects);
   return difference;
 }
 
-ColoredCloud color_difference(const Visit& before, const Visit& after, const MapDifference& difference) {
-  constexpr Rgb kRed = {220, 40, 40}, kGreen = {30, 170, 80};
+Rgb gray_of(const Rgb& color) {
+  constexpr int kRed = 77, kGreen = 150, kBlue = 29, kSum = 256;  // luma of BT.601
+  const auto gray = static_cast<uint8_t>((kRed * color[0] + kGreen * color[1] + kBlue * color[2]) / kSum);
+  return {gray, gray, gray};
+}
+
+Rgb tinted(const Rgb& color, const Rgb& tint) {
+  Rgb mixed = gray_of(color);
+  for (size_t c = 0; c < mixed.size(); ++c) mixed[c] = static_cast<uint8_t>((3 * tint[c] + mixed[c]) / 4);
+  return mixed;
+}
+
+ColoredCloud color_difference(const ColoredCloud& before, const ColoredCloud& after,
+                              const MapDifference& difference) {
   ColoredCloud all;
-  append(before.cloud, difference.before, kRed, all);
-  append(after.cloud, difference.after, kGreen, all);
+  append(before, difference.before, kGoneColor, all);
+  append(after, difference.after, kAddedColor, all);
   return all;
 }
 

@@ -25,6 +25,8 @@ struct ChangedObject {
   /// Mean of its observed surface, world; before the change, and after it if the object was moved.
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero(), moved_to_m = Eigen::Vector3d::Zero();
   double surface_m2 = 0;  ///< observed, roughly
+  /// Its points: indices into the cloud before, if it was there, and into that after, if it is there now.
+  std::vector<uint32_t> points_before, points_after;
 };
 
 struct MapDifference {
@@ -36,7 +38,16 @@ MapDifference compare_visits_of_place(const Visit& before, const Visit& after,
                                       const ComparisonOptions& options, const Progress& progress = {});
 
 /// Returns both clouds as one: in red what is gone, in green what was added, and the rest in grey.
-ColoredCloud color_difference(const Visit& before, const Visit& after, const MapDifference& difference);
+ColoredCloud color_difference(const ColoredCloud& before, const ColoredCloud& after,
+                              const MapDifference& difference);
+
+constexpr Rgb kGoneColor = {220, 40, 40}, kAddedColor = {30, 170, 80};
+
+/// Returns `color` as grey of the same brightness.
+Rgb gray_of(const Rgb& color);
+
+/// Returns `tint` with some of the brightness of `color`.
+Rgb tinted(const Rgb& color, const Rgb& tint);
 
 /// The numbers; positions are rotated by `R_file_world`.
 nlohmann::json to_json(const MapDifference& difference, const Eigen::Quaterniond& R_file_world);

@@ -46,6 +46,9 @@ enum class PartKind : uint32_t {
   kKeyframeImage = 16,  ///< a small JPEG file: the colour image of the keyframe `index`
   kTimeline = 17,       ///< all frames of a saved run, see `encode_timeline`
   kLoopTable = 18,      ///< JSON: the loops of a saved run, accepted or not, and the file of its map
+  kComparison = 19,     ///< JSON: what differs between two maps, and which cloud pieces show it
+  kOtherPath = 20,      ///< 3 f32 each: the path of the second of two compared maps
+  kTruthErrors = 21,    ///< 6 f32 each: estimated and true position of a keyframe or frame, in the world
 };
 
 /// Number of keyframes, or frames, per part, the unit of updates.

@@ -62,6 +62,15 @@ export async function drawJpeg(canvas, jpeg, isWanted = () => true) {
   bitmap?.close();
 }
 
+/** Shows what is known of a keyframe's image in a figure: its picture, `name` and further words below it. */
+export function showPicture(figure, jpeg, name, words, isWanted) {
+  const canvas = figure.querySelector('canvas');
+  figure.querySelector('figcaption').textContent = `${name}${words}${jpeg ? '' : ', no image'}`;
+  canvas.setAttribute('aria-label', `image of ${name}`);
+  canvas.hidden = jpeg === undefined;
+  if (jpeg) drawJpeg(canvas, jpeg, isWanted);
+}
+
 /** The image; undefined if it is damaged: the next one comes soon. */
 function decoded(jpeg) {
   return createImageBitmap(jpeg).catch(() => undefined);

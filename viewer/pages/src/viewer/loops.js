@@ -1,8 +1,10 @@
 // The loops of a saved run: the list, its filter by status, and the pictures and figures of the selected one.
 
 import { keyframesText, LOOP_STATUSES, reasonText, scaleText } from '../shared/loops.js';
-import { drawJpeg } from './images.js';
+import { element, figureRows, mark, markedCheckbox } from './elements.js';
+import { showPicture } from './images.js';
 import { NO_KEYFRAME } from './messages.js';
+import { SelectList } from './selectList.js';
 
 const at = (id) => document.getElementById(id);
 const SHOWN_AT_FIRST = ['accepted', 'provisional'];
@@ -10,9 +12,7 @@ const SHOWN_AT_FIRST = ['accepted', 'provisional'];
 export class Loops {
   constructor({ world, view, timeline }) {
     Object.assign(this, { world, view, timeline });
-    this.list = at('loopList');
-    this.list.onkeydown = (event) => this.onKey(event);
-    this.list.onclick = ({ target }) => target.closest('li') && this.select(Number(target.closest('li').dataset.loop));
+    this.list = new SelectList(at('loopList'), (loop) => this.select(loop));
     at('closeLoop').onclick = () => this.deselect();
     at('copyWithdrawal').onclick = () => this.copyCommand();
     this.clear();
@@ -40,15 +40,13 @@ export class Loops {
   }
 
   makeFilter() {
-    const choices = LOOP_STATUSES.map((status) => this.countOf(status)).filter(([, n]) => n > 0).map(([status, n]) => {
-      const input = element('input', { type: 'checkbox', value: status, checked: this.chosen.has(status) });
-      input.onchange = () => {
-        if (input.checked) this.chosen.add(status);
+    const choices = LOOP_STATUSES.map((status) => this.countOf(status)).filter(([, n]) => n > 0).map(([status, n]) =>
+      markedCheckbox(status, `${status} ${n}`, this.chosen.has(status), (checked) => {
+        if (checked) this.chosen.add(status);
         else this.chosen.delete(status);
         this.show();
-      };
-      return element('label', {}, input, statusMark(status), `${status} ${n}`);
-    });
+      }),
+    );
     at('loopFilter').replaceChildren(...choices);
   }
 
@@ -65,30 +63,27 @@ export class Loops {
   /** Shows the list, and the lines in the scene, anew. */
   show() {
     const { shown } = this;
-    this.list.replaceChildren(...shown.map((i) => this.row(i)));
-    this.list.hidden = shown.length === 0;
+    this.list.show(shown, (i) => this.content(i));
     if (!shown.includes(this.selected)) this.deselect();
-    else this.mark();
+    else this.list.mark(this.selected);
     this.drawLines();
   }
 
   drawLines() {
+    if (this.loops.length === 0) return; // the scene then has edges without a table
     const edges = Object.fromEntries(LOOP_STATUSES.map((status) => [status, []]));
     for (const [i, a, b] of this.lines) edges[this.loops[i].status].push(a, b);
     this.world.showLoops(edges, this.lines.find(([i]) => i === this.selected)?.slice(1));
     this.view.dirty = true;
   }
 
-  row(i) {
+  content(i) {
     const { stampA, stampB, status, reason, ...figures } = this.loops[i];
     const when = `${this.timeText(stampA)} \u2194 ${this.timeText(stampB)}`;
     const why = reasonText(reason);
-    const row = element('li', { id: `loop${i}`, role: 'option' });
-    row.dataset.loop = i;
-    row.append(element('div', {}, statusMark(status), element('b', {}, status), element('span', {}, when)));
-    row.append(element('small', {}, figuresText(figures)));
-    if (why) row.append(element('small', {}, why));
-    return row;
+    const lines = [element('div', {}, mark(status), element('b', {}, status), element('span', {}, when))];
+    for (const text of [figuresText(figures), why]) if (text) lines.push(element('small', {}, text));
+    return lines;
   }
 
   /** Seconds since the first frame if the timeline has that moment. */
@@ -97,28 +92,9 @@ export class Loops {
     return sinceS === undefined ? `stamp ${Number(stamp).toFixed(2)}` : `${sinceS.toFixed(2)} s`;
   }
 
-  /** The next or previous loop; the first or last if none is selected. */
-  step(by) {
-    const { shown } = this;
-    if (shown.length === 0) return;
-    const from = shown.indexOf(this.selected);
-    const to = from < 0 ? (by > 0 ? 0 : shown.length - 1) : Math.min(Math.max(0, from + by), shown.length - 1);
-    this.select(shown[to]);
-  }
-
-  onKey(event) {
-    const moves = { ArrowDown: 1, ArrowUp: -1, Home: -Infinity, End: Infinity, Enter: 0 };
-    if (!(event.key in moves) || event.ctrlKey || event.metaKey || event.altKey) return;
-    event.preventDefault();
-    event.stopPropagation(); // those are keys of the timeline, too
-    if (event.key === 'Enter' && this.selected !== undefined) this.select(this.selected);
-    else this.step(moves[event.key] || 1);
-  }
-
   /** Shows a loop: its line, its pictures, and the moment of its later end. */
   select(i) {
-    this.selected = i;
-    this.mark();
+    this.list.mark(i);
     this.drawLines();
     const loop = this.loops[i];
     const [earlier, later] = Number(loop.stampA) <= Number(loop.stampB) ? ['a', 'b'] : ['b', 'a'];
@@ -129,24 +105,19 @@ export class Loops {
   }
 
   deselect() {
-    this.selected = undefined;
     at('loop').hidden = true;
-    this.mark();
+    this.list.mark(undefined);
     this.drawLines();
   }
 
-  mark() {
-    for (const row of this.list.children) row.setAttribute('aria-selected', Number(row.dataset.loop) === this.selected);
-    const row = at(`loop${this.selected}`);
-    if (!row) return this.list.removeAttribute('aria-activedescendant');
-    this.list.setAttribute('aria-activedescendant', row.id);
-    row.scrollIntoView({ block: 'nearest' });
+  get selected() {
+    return this.list.selected;
   }
 
   showLoop(loop, earlier, later) {
     const { status, reason, scale } = loop;
     at('loop').hidden = false;
-    at('loop').querySelector('h2').replaceChildren(statusMark(status), `${status} loop`);
+    at('loop').querySelector('h2').replaceChildren(mark(status), `${status} loop`);
     at('loop').querySelector('.why').textContent = reasonText(reason);
     [earlier, later].forEach((end, side) => this.showEnd(at('loop').querySelectorAll('figure')[side], loop, end));
     const figures = [
@@ -154,19 +125,15 @@ export class Loops {
       ['inliers', loop.inliers || 'unknown'],
       ['scale', scaleText(scale)],
     ];
-    at('loop').querySelector('dl').replaceChildren(...figures.map(([what, figure]) => element('div', {}, element('dt', {}, what), element('dd', {}, `${figure}`))));
+    at('loop').querySelector('dl').replaceChildren(...figureRows(figures));
     this.showCommand(loop);
   }
 
   showEnd(figure, loop, end) {
     const keyframe = loop[end] ?? NO_KEYFRAME;
-    const canvas = figure.querySelector('canvas');
-    const jpeg = this.world.pictures.of(keyframe);
     const name = keyframe === NO_KEYFRAME ? 'keyframe not shown' : `keyframe ${keyframe}`;
-    figure.querySelector('figcaption').textContent = `${name}, ${this.timeText(end === 'a' ? loop.stampA : loop.stampB)}${jpeg ? '' : ', no image'}`;
-    canvas.setAttribute('aria-label', `image of ${name}`);
-    canvas.hidden = jpeg === undefined;
-    if (jpeg) drawJpeg(canvas, jpeg, () => this.loops[this.selected] === loop);
+    const when = this.timeText(end === 'a' ? loop.stampA : loop.stampB);
+    showPicture(figure, this.world.pictures.of(keyframe), name, `, ${when}`, () => this.loops[this.selected] === loop);
   }
 
   /** The command that takes an accepted loop out of the map, where that is known. */
@@ -192,18 +159,6 @@ function figuresText({ support, inliers, scale }) {
   if (inliers) parts.push(`${inliers} inliers`);
   if (scale !== null) parts.push(`scale ${scaleText(scale)}`);
   return parts.join(' \u00b7 ');
-}
-
-function statusMark(status) {
-  return element('i', { className: `mark ${status}` });
-}
-
-function element(name, properties, ...children) {
-  const { role, ...others } = properties;
-  const made = Object.assign(document.createElement(name), others);
-  if (role) made.setAttribute('role', role);
-  made.append(...children);
-  return made;
 }
 
 /** For a shell. */

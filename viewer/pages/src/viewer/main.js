@@ -10,7 +10,8 @@
 //   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark
 //   keyframePictures.js  images in 3D    timelineBar.js  its drawing                clipBox.js   clipping to a box
 //   picking.js     what a click hits     measures.js  distances, angles, heights    picked.js    what a click shows
-//   recording.js   the map in the page  loops.js     loops of a saved run
+//   recording.js   the map in the page   loops.js      loops of a saved run        comparison.js  of two maps
+//   selectList.js  a list to select from  elements.js  parts of the page made here
 
 import './viewer.css';
 import { Connection } from './connection.js';
@@ -46,6 +47,7 @@ function onMessage(message) {
   if (message.kind === 'timeline') timeline.take(message.body);
   if (message.kind === 'timeline' || message.kind === 'loops') timeline.markLoops();
   if (message.kind === 'loopTable') panel.loops.take(message.body);
+  if (message.kind === 'comparison') panel.comparison.take(message.body);
   if (message.kind === 'timeline') panel.loops.show(); // times are since its start
   images.take(message);
 }
@@ -58,6 +60,7 @@ function onHello(hello) {
     panel.cut.set(Infinity);
     panel.clear();
     panel.loops.clear();
+    panel.comparison.clear();
     loops = 0;
   }
   run = hello.run;

@@ -27,6 +27,9 @@ const readers = [
   ['keyframeImage', jpeg],
   ['timeline', timeline],
   ['loopTable', json],
+  ['comparison', json],
+  ['otherPath', floats],
+  ['truthErrors', floats],
 ];
 
 /** Adds a message to the part that has come so far: { version, buffer, received, complete }, sizes with the header. */

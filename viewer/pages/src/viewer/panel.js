@@ -5,6 +5,7 @@ import { Vector3 } from 'three';
 import { COLOR_MODES } from '../shared/cloudMaterial.js';
 import { lengthText } from '../shared/format.js';
 import { ClipBox } from './clipBox.js';
+import { Comparison } from './comparison.js';
 import { HeightCut } from './cut.js';
 import { makeCollapsible } from './drawer.js';
 import { listenToKeys } from './keys.js';
@@ -28,6 +29,7 @@ export class Panel {
     this.measures = new Measures(view, at('measures'));
     this.picked = new Picked(this, at('picked'));
     this.loops = new Loops(this);
+    this.comparison = new Comparison(this, () => this.setCamera('orbit'));
     this.listenToRun();
     this.listenToView();
     this.listenToPicks();
@@ -110,6 +112,7 @@ export class Panel {
   offer() {
     const { world, view } = this;
     document.querySelectorAll('[data-layer]').forEach((input) => (input.closest('label').hidden = !world.has(input.dataset.layer)));
+    at('errorFactor').textContent = `\u00d7${world.errorFactor}`;
     at('pointSizeChoice').hidden = !world.has('cloud');
     at('cameraChoice').hidden = !this.state.live && !this.timeline.shown;
     at('ceilingChoice').hidden = view.ceilingM === undefined;
@@ -136,8 +139,9 @@ export class Panel {
       clear: () => this.clear(),
       follow: () => this.setCamera('follow'),
       loops: () => document.querySelector('[data-layer=loops]').click(),
-      nextLoop: ({ shiftKey }) => this.loops.step(shiftKey ? -1 : 1),
-      closeLoop: () => this.loops.deselect(),
+      nextLoop: ({ shiftKey }) => this.loops.list.step(shiftKey ? -1 : 1),
+      nextObject: ({ shiftKey }) => this.comparison.list.step(shiftKey ? -1 : 1),
+      close: () => this.close(),
       nextColor: () => selectNext(at('color')),
       nextUp: () => at('upChoice').hidden || selectNext(at('up')),
       lowerCut: () => this.cut.move(-1),
@@ -168,7 +172,13 @@ export class Panel {
   clear() {
     this.measures.clear();
     this.picked.clear();
+    this.close();
+  }
+
+  /** Deselects a loop and an object. */
+  close() {
     this.loops.deselect();
+    this.comparison.deselect();
   }
 
   /** Restores the initial view. */

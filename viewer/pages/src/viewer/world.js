@@ -1,21 +1,23 @@
 // The map as three.js objects, updated message by message.
 
-import { Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
+import { Box3, Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
 import { FAR_M, sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
+import { roundLength } from './framing.js';
 import { KeyframePictures, pictureMesh, placePicture, showIn } from './keyframePictures.js';
 import { Lines } from './lines.js';
 import { NO_KEYFRAME } from './messages.js';
 import { meshOf, readModel } from './models.js';
 import { matrixOf, PART_LENGTH, poseFrom, Poses } from './poses.js';
 
-const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, truth: 0xb9bcc4 };
+const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, truth: 0xb9bcc4, otherPath: 0xff9d2e, errors: 0xe0459b };
 const LOOP_COLORS = { accepted: 0xff8a3d, provisional: 0xb48cff, rejected: 0xe05252, withdrawn: 0x8f96a3 };
 const SELECTED = 0xffc400;
 const DASH_M = 0.04;
 const KEYFRAME_SIZE_M = 0.06;
 const CAMERA_SIZE_M = 0.16;
+const ERROR_SHARE = 0.1; // of the path's extent that the longest error arrow has at most
 const OWN_WORLD = new Matrix4();
 
 export class World {
@@ -25,12 +27,13 @@ export class World {
     this.clipPlanes = [1, -1].flatMap((sign) => [0, 1, 2].map((axis) => new Plane(new Vector3().setComponent(axis, sign))));
     this.group = new Group(); // rotated so that up points up
     this.layers = {};
-    for (const name of ['cloud', 'mesh', 'path', 'keyframes', 'images', 'covisibility', 'loops', 'truth']) {
+    for (const name of ['cloud', 'mesh', 'path', 'otherPath', 'keyframes', 'images', 'covisibility', 'loops', 'truth', 'errors', 'boxes']) {
       this.layers[name] = new Group();
       this.group.add(this.layers[name]);
     }
     this.layers.covisibility.visible = false;
     this.layers.images.visible = false;
+    this.layers.errors.visible = false;
     this.pictures = new KeyframePictures(this.layers.images);
     this.lines = {
       path: new Lines({ color: COLORS.path }),
@@ -39,6 +42,8 @@ export class World {
       camera: new Lines({ color: COLORS.camera, segments: true }),
       covisibility: new Lines({ color: COLORS.covisibility, segments: true, opacity: 0.5 }),
       truth: new Lines({ color: COLORS.truth }),
+      otherPath: new Lines({ color: COLORS.otherPath }),
+      errors: new Lines({ color: COLORS.errors, segments: true }),
     };
     const layerOf = { camera: 'path', doubt: 'path' };
     for (const [name, lines] of Object.entries(this.lines)) this.layers[layerOf[name] ?? name].add(lines.object);
@@ -47,10 +52,10 @@ export class World {
       this.loopLines[status] = new Lines({ color, segments: true, opacity: status === 'accepted' ? 0.3 : 0.8 });
       this.layers.loops.add(this.loopLines[status].object);
     }
-    this.selectedLines = new Lines({ color: SELECTED, segments: true });
-    this.selectedLines.object.material.depthTest = false; // also behind surfaces
-    this.selectedLines.object.renderOrder = 2;
+    this.selectedLines = selectionLines();
     this.layers.loops.add(this.selectedLines.object);
+    this.boxLines = selectionLines();
+    this.layers.boxes.add(this.boxLines.object);
     this.cameraPicture = pictureMesh();
     this.layers.path.add(this.cameraPicture);
     this.lines.doubt.object.renderOrder = 1; // over the path, at the same places
@@ -69,6 +74,10 @@ export class World {
     this.doubt = new Uint32Array(0);
     this.truth = new Float32Array(0);
     this.truthPose = OWN_WORLD;
+    this.otherPath = new Float32Array(0);
+    this.errors = new Float32Array(0);
+    this.differences = {}; // names of the layers of a comparison -> { first, end, shown }
+    this.boxes = [];
     this.cameraPose = undefined;
     this.hideCameraPicture();
     this.frustum = [0.6, 0.45];
@@ -95,6 +104,8 @@ export class World {
       mesh: () => this.addModel(meshOf(body, this.clipPlanes)),
       model: () => this.takeModel(body),
       truth: () => (this.truth = body),
+      otherPath: () => (this.otherPath = body),
+      truthErrors: () => (this.errors = body),
       keyframeImage: () => this.pictures.take(index, body),
       truthPose: () => (this.truthPose = matrixOf(poseFrom(body))),
     }[kind];
@@ -107,6 +118,24 @@ export class World {
   showLoops(edges, selected) {
     this.loopEdges = edges;
     this.selectedLoop = selected;
+    this.moved = true;
+  }
+
+  /** `pieces`: the range [first, end) of the cloud's pieces that each layer of a comparison has. */
+  showDifferences(pieces) {
+    this.differences = Object.fromEntries(Object.entries(pieces).map(([layer, [first, end]]) => [layer, { first, end, shown: true }]));
+    this.moved = true;
+  }
+
+  /** Shows or hides a layer of a comparison. */
+  showDifference(layer, shown) {
+    this.differences[layer].shown = shown;
+    this.moved = true;
+  }
+
+  /** Draws boxes, each eight corners in the world with x alternating fastest; missing ones are left out. */
+  selectBoxes(boxes) {
+    this.boxes = boxes.filter((box) => box);
     this.moved = true;
   }
 
@@ -146,6 +175,8 @@ export class World {
       covisibility: this.parts.covisibility.length > 0,
       loops: Object.values(this.loopEdges).some((pairs) => pairs.length > 0),
       truth: this.truth.length > 0,
+      otherPath: this.otherPath.length > 0,
+      errors: this.errors.length > 0,
     }[layer];
   }
 
@@ -183,15 +214,18 @@ export class World {
     this.drawPath();
     this.drawEdges();
     this.drawTruth();
+    this.drawErrors();
+    this.boxLines.fill((add) => this.boxes.forEach((corners) => addBox(add, corners)));
     this.pictures.place(this.poses, this.frustum);
     this.group.updateMatrixWorld(true);
     return true;
   }
 
   placePieces() {
-    for (const { object, anchor } of this.pieces.values()) {
+    const hidden = Object.values(this.differences).filter(({ shown }) => !shown);
+    for (const [index, { object, anchor }] of this.pieces) {
       const pose = anchor === NO_KEYFRAME ? OWN_WORLD : this.poses.at(anchor);
-      object.visible = pose !== undefined;
+      object.visible = pose !== undefined && !hidden.some(({ first, end }) => first <= index && index < end);
       if (pose) placePiece(object, pose);
       object.material.uniforms.timeShare.value = anchor / Math.max(1, this.poses.count - 1);
     }
@@ -284,6 +318,23 @@ export class World {
     this.lines.truth.fill((add) => {
       for (let i = 0; i < this.truth.length; i += 3) add(point.fromArray(this.truth, i).applyMatrix4(this.truthPose));
     });
+    this.lines.otherPath.fill((add) => {
+      for (let i = 0; i < this.otherPath.length; i += 3) add(point.fromArray(this.otherPath, i));
+    });
+  }
+
+  /** Arrows from estimated to true positions, which are millimetres apart and therefore magnified. */
+  drawErrors() {
+    const ends = Array.from({ length: this.errors.length / 3 }, (_, i) => new Vector3().fromArray(this.errors, 3 * i));
+    const longestM = Math.max(1e-9, ...ends.map((end, i) => (i % 2 ? end.distanceTo(ends[i - 1]) : 0)));
+    const extentM = new Box3().setFromPoints(ends).getSize(new Vector3()).length();
+    this.errorFactor = Math.max(1, roundLength(Math.max(1, (ERROR_SHARE * extentM) / longestM)));
+    this.lines.errors.fill((add) => {
+      for (let i = 0; i < ends.length; i += 2) {
+        const tip = ends[i].clone().addScaledVector(ends[i + 1].clone().sub(ends[i]), this.errorFactor);
+        addArrow(add, ends[i], tip);
+      }
+    });
   }
 
   get pointCount() {
@@ -314,6 +365,33 @@ function dispose({ geometry, material }) {
 
 function addWhole(add, from, to) {
   [from, to].forEach(add);
+}
+
+/** Lines that are drawn also behind surfaces. */
+function selectionLines() {
+  const lines = new Lines({ color: SELECTED, segments: true });
+  lines.object.material.depthTest = false;
+  lines.object.renderOrder = 2;
+  return lines;
+}
+
+/** A line with a head of two strokes. */
+function addArrow(add, from, to) {
+  const HEAD = 0.25; // of its length
+  const along = new Vector3().subVectors(to, from).multiplyScalar(HEAD);
+  const across = new Vector3(along.z, 0, -along.x); // level, also of a steep arrow: an upright one gets another
+  if (across.lengthSq() < 1e-2 * along.lengthSq()) across.set(along.length(), 0, 0);
+  across.setLength(0.5 * along.length());
+  addWhole(add, from, to);
+  for (const sign of [1, -1]) addWhole(add, to, to.clone().sub(along).addScaledVector(across, sign));
+}
+
+/** The twelve edges of a box: corners that differ in one coordinate, which is one bit of their number. */
+function addBox(add, corners) {
+  const places = corners.map((corner) => new Vector3(...corner));
+  for (let i = 0; i < places.length; ++i) {
+    for (const bit of [1, 2, 4]) if (!(i & bit)) addWhole(add, places[i], places[i | bit]);
+  }
 }
 
 /** A dashed line. */
