@@ -258,8 +258,8 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await page.waitForTimeout(500);
     if (what !== cloud) await until(() => page.isVisible('[data-layer=images]'), 'the images of keyframes arrive');
     const layers = await page.locator('[data-layer]:visible').evaluateAll((all) => all.map(({ dataset }) => dataset.layer));
-    const ofRun = ['path', 'keyframes', 'images', 'truth', 'loops'];
-    assert.deepEqual(layers, { [out]: ['cloud', 'mesh', ...ofRun], [map]: ['cloud', ...ofRun.filter((layer) => layer !== 'truth')], [cloud]: ['cloud'] }[what], 'only what applies');
+    const ofRun = ['path', 'keyframes', 'images', 'truth', 'errors', 'loops'];
+    assert.deepEqual(layers, { [out]: ['cloud', 'mesh', ...ofRun], [map]: ['cloud', ...ofRun.filter((layer) => layer !== 'truth' && layer !== 'errors')], [cloud]: ['cloud'] }[what], 'only what applies');
     assert.equal(await page.isVisible('#timeline'), what !== cloud, 'what has frames has a timeline');
     if (what === out) await checkLook(page, shoot);
     if (what === out) await checkTimeline(page, open, shoot);
