@@ -132,7 +132,10 @@ ExitCode run(const RunArguments& arguments) {
   const RunEnd end = process_all(session, output, hooks);
   if (poses) poses->report();
   poses.reset();  // the reader sees the end
-  if (shown) shown->viewer.set_stage("final bundle adjustment");
+  if (shown) {
+    shown->viewer.set_hints({});  // too late for advice
+    shown->viewer.set_stage("final bundle adjustment");
+  }
   session.finish(progress);
   if (plan.memory) plan.memory->remember(plan.camera, session.slam().sensor_estimate());
   if (shown) show_warnings(shown->viewer, session.input());

@@ -22,6 +22,7 @@
 #include "session/dense_recorder.hpp"
 #include "session/frame_pipeline.hpp"
 #include "session/input_monitor.hpp"
+#include "session/recording_doctor.hpp"
 
 namespace kinloop {
 
@@ -98,6 +99,8 @@ class Session {
 
   /// Returns where the input contradicts itself, complete after `finish`.
   [[nodiscard]] const InputMonitor& input() const { return input_; }
+  /// Returns what spoils the recording.
+  [[nodiscard]] const RecordingDoctor& doctor() const { return doctor_; }
   [[nodiscard]] const Slam& slam() const { return slam_; }
   [[nodiscard]] DenseRecorder& recorder() { return recorder_; }
   [[nodiscard]] const DenseRecorder& recorder() const { return recorder_; }
@@ -110,6 +113,7 @@ class Session {
   Slam slam_;
   DenseRecorder recorder_;
   InputMonitor input_;
+  RecordingDoctor doctor_;
   std::optional<FramePipeline> pipeline_;  // from the first frame to `finish`
   Trajectory trajectory_;                  // result of `finish`
 };

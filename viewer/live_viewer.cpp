@@ -20,6 +20,11 @@ void LiveViewer::set_warnings(std::vector<std::string> warnings) {
   state_.warnings = std::move(warnings);
 }
 
+void LiveViewer::set_hints(std::vector<std::string> hints) {
+  const std::lock_guard lock(mutex_);
+  state_.hints = std::move(hints);
+}
+
 void LiveViewer::update(Scene& scene, size_t browsers) {
   if (!run_scene_) run_scene_.emplace(scene, info_);
   RunState state;

@@ -33,6 +33,9 @@ class LiveViewer {
   /// Sets what is shown as contradictions in the input: all so far.
   void set_warnings(std::vector<std::string> warnings);
 
+  /// Sets what is shown as spoiling the recording at the moment.
+  void set_hints(std::vector<std::string> hints);
+
   /// Shows the final path.
   void finish(std::span<const TrackedFrame> log, const Map& map) { feed_.on_finish(log, map); }
 

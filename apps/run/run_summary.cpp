@@ -10,6 +10,7 @@
 #include "apps/run/loops_json.hpp"
 #include "apps/shared/version.hpp"
 #include "kinloop/core/quantile.hpp"
+#include "kinloop/core/text/rounded_number.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/map/pose_covariance.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
@@ -124,6 +125,19 @@ json warnings_json(const std::vector<InputWarning>& warnings) {
   return all;
 }
 
+/// The hints that were given: how long, and what to do.
+json advice_json(const RecordingDoctor& doctor) {
+  json all = json::array();
+  for (size_t i = 0; i < kRecordingHints; ++i) {
+    const auto hint = static_cast<RecordingHint>(i);
+    if (doctor.seconds(hint) <= 0) continue;
+    all.push_back({{"kind", name_of(hint)},
+                   {"seconds", rounded_number(doctor.seconds(hint))},
+                   {"advice", text_of(hint)}});
+  }
+  return all;
+}
+
 json timings_json(const Timings& times) {
   json timings = json::object();
   for (const auto& [module, elapsed] : times.modules) {
@@ -169,6 +183,7 @@ json run_summary(const RunOutcome& o) {
   summary["frames"] = log.size();
   summary["quality"] = quality_json(judge(judged_frames(log, o.slam.map())));
   summary["warnings"] = warnings_json(o.warnings);
+  summary["advice"] = advice_json(o.doctor);
   summary["tracked"] = located - doubtful;
   summary["doubtful"] = doubtful;
   summary["tracked_densely"] = dense_only;

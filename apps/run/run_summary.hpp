@@ -10,6 +10,7 @@
 
 #include "kinloop/sensor/consistency/input_warning.hpp"
 #include "kinloop/slam/slam.hpp"
+#include "session/recording_doctor.hpp"
 #include "session/run_plan.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "tools/evaluation/evaluate.hpp"
@@ -21,6 +22,7 @@ struct RunOutcome {
   const RunPlan& plan;
   const Slam& slam;
   std::vector<InputWarning> warnings = {};          ///< where the input contradicts itself
+  RecordingDoctor doctor = {};                      ///< what spoiled the recording
   std::optional<Evaluation> evaluation = {};        ///< if there is ground truth
   std::vector<PoseWithCovariance> live_poses = {};  ///< as tracking gave them
   std::optional<size_t> map_points = {};            ///< of the cloud, if one was fused

@@ -1,5 +1,6 @@
 // What run and probe say of input that contradicts itself.
 
+#include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -40,7 +41,23 @@ TEST_F(Contradictions, NothingIsSaidOfACleanRecording) {
   EXPECT_THAT(probed.err, Not(HasSubstr("warning")));
   const auto mapped = run("run '" + at("seq") + "' -o '" + at("out") + "'");
   EXPECT_THAT(mapped.err, Not(HasSubstr("registered to colour")));
-  EXPECT_TRUE(nlohmann::json::parse(read_file(at("out/run.json")))["warnings"].empty());
+  const auto figures = nlohmann::json::parse(read_file(at("out/run.json")));
+  EXPECT_TRUE(figures["warnings"].empty());
+  EXPECT_TRUE(figures["advice"].empty()) << figures["advice"];
+}
+
+TEST_F(Contradictions, RunListsWhatSpoiledTheRecording) {
+  for (const auto& entry : std::filesystem::directory_iterator(at("seq/rgb"))) {
+    const cv::Mat color = cv::imread(entry.path().string());
+    write_png(entry.path(), cv::Mat(0.25 * color));
+  }
+  (void)run("run '" + at("seq") + "' -o '" + at("out") + "'");
+  const auto advice = nlohmann::json::parse(read_file(at("out/run.json")))["advice"];
+  const auto dark = std::ranges::find_if(advice, [](const auto& hint) { return hint["kind"] == "too_dark"; });
+  ASSERT_NE(dark, advice.end()) << advice;
+  EXPECT_THAT((*dark)["advice"].template get<std::string>(), HasSubstr("light"));
+  EXPECT_NEAR((*dark)["seconds"].template get<double>(), 15 * 0.25 - 0.5, 0.01)
+      << "all but the first half second";
 }
 
 TEST_F(Contradictions, ProbeAndRunRefuseDepthThatIsUpsideDown) {

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
 import { join } from 'node:path';
 
+import { findings } from './axe.mjs';
 import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const WAITING = ['--set', 'viewer.paused=true', '--set', 'sim.width=320', '--set', 'sim.height=240'];
@@ -56,6 +57,25 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   // The current map can be saved while the run is paused.
   await page.click('#save');
   await until(() => existsSync(join(out, 'map.ply')), 'the map is saved on demand');
+
+  // Advice for the recording, as the run would send it: it is paused and sends nothing.
+  await until(async () => (await seen(page)).message === 'map saved', 'it is told');
+  await page.waitForTimeout(1500); // the frame rate is that of the last second
+  const advise = (hints) => page.evaluate((texts) => window.kinloop.panel.state.show({ ...window.kinloop.panel.state.status, hints: texts, warnings: ['depth is mirrored; flip it'] }), hints);
+  assert.equal(await page.isVisible('#hints'), false, 'there is none');
+  await advise(['Too fast: move and turn more slowly', 'Too dark: switch on a light']);
+  const lines = page.getByRole('status', { name: 'Advice for the recording' }).locator('p');
+  assert.deepEqual(await lines.allInnerTexts(), ['Too fast: move and turn more slowly', 'Too dark: switch on a light']);
+  const first = await page.evaluateHandle(() => document.getElementById('hints').firstChild);
+  await advise(['Too fast: move and turn more slowly', 'Too dark: switch on a light']);
+  assert.ok(await first.evaluate((line) => line.isConnected), 'what stays is not announced again');
+  await shoot(page, 'live-hints');
+  assert.deepEqual(await findings(page, 'live page with advice'), []);
+  await shoot(page, 'live-hints-phone');
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await page.emulateMedia({ colorScheme: 'light' });
+  await advise([]);
+  assert.equal(await page.isVisible('#hints'), false, 'they end');
 
   // The run continues: the cloud grows, the camera moves, images arrive.
   const before = await seen(page);

@@ -168,6 +168,14 @@ TEST_F(RunSceneTest, LostFramesLeaveAGap) {
   EXPECT_EQ(status()["tracking"], "lost");
 }
 
+TEST_F(RunSceneTest, TellsWhatSpoilsTheRecording) {
+  run_.frame();
+  update();
+  EXPECT_TRUE(status()["hints"].empty());
+  run_scene_.update(feed_.take(), {.hints = {"Too dark"}}, true);
+  EXPECT_EQ(status()["hints"], nlohmann::json({"Too dark"}));
+}
+
 TEST_F(RunSceneTest, DoubtfulAndLostFramesAreMarked) {
   run_.frame();
   update();

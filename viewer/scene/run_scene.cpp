@@ -190,6 +190,7 @@ void RunScene::show_status(const RunState& state) {
   nlohmann::json status = {{"stage", state.stage},
                            {"message", state.message},
                            {"warnings", state.warnings},
+                           {"hints", state.hints},
                            {"paused", state.paused},
                            {"frame", frames_.size()},
                            {"frames", info_.frames},

@@ -25,8 +25,9 @@ struct RunInfo {
 /// State of the run, in addition to Slam's events.
 struct RunState {
   std::string stage = "mapping";
-  std::string message;                     ///< latest message
+  std::string message = {};                ///< latest message
   std::vector<std::string> warnings = {};  ///< where the input contradicts itself
+  std::vector<std::string> hints = {};     ///< what spoils the recording now, and what to do
   bool paused = false;
 };
 

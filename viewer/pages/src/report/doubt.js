@@ -20,6 +20,13 @@ export function warningLines({ figures: { warnings } }) {
   return (warnings ?? []).map(({ evidence, remedy }) => element('p', { class: 'verdict doubtful' }, element('b', {}, 'warning:'), ` ${evidence}; ${remedy}`));
 }
 
+/** What spoiled the recording of a run, and for how long, a line for all of it; nothing if nothing did. */
+export function adviceLine({ figures: { advice } }) {
+  if (!advice?.length) return undefined;
+  const hints = advice.map(({ seconds, advice: text }) => `${text} (${seconds.toFixed(1)} s)`);
+  return element('p', { class: 'verdict' }, element('b', {}, 'while recording:'), ` ${hints.join('; ')}`);
+}
+
 /** Marks that shade the stretches of runs over the whole height of a plot. */
 export function doubtMarks(runs) {
   const found = runs.flatMap(stretches);

@@ -1,7 +1,7 @@
 // Summary of a run with its figures; for several runs as a table.
 
 import { count, millimetres } from '../shared/format.js';
-import { verdictLine, warningLines } from './doubt.js';
+import { adviceLine, verdictLine, warningLines } from './doubt.js';
 import { element, section, table } from './page.js';
 
 /** Every figure: its name, and its text for a run, or nothing if unknown. */
@@ -27,8 +27,8 @@ const FIGURES = [
 
 export function headSection(runs) {
   const title = runs.length === 1 ? runs[0].name : `Comparison of ${runs.length} runs`;
-  const [verdict, warnings] = runs.length === 1 ? [verdictLine(runs[0]), warningLines(runs[0])] : [undefined, []];
-  return element('header', {}, element('h1', {}, title), verdict, ...warnings, element('p', { class: 'soft' }, runs.map(subtitle).join(' \u00b7 ')));
+  const lines = runs.length === 1 ? [verdictLine(runs[0]), ...warningLines(runs[0]), adviceLine(runs[0])] : [];
+  return element('header', {}, element('h1', {}, title), ...lines, element('p', { class: 'soft' }, runs.map(subtitle).join(' \u00b7 ')));
 }
 
 function subtitle({ name, path }, _, runs) {

@@ -1,6 +1,7 @@
 // The state of the run as known to the page: its badge, a line of text, and which buttons are enabled.
 
 import { count, millimetres } from '../shared/format.js';
+import { element } from './elements.js';
 
 const at = (id) => document.getElementById(id);
 const CONTROLS = ['pause', 'step', 'save'];
@@ -52,7 +53,8 @@ export class RunState {
     at('tracking').textContent = name;
     at('tracking').className = `badge ${kind}`;
     at('message').textContent = message;
-    this.showWarnings(status?.warnings ?? []);
+    showTexts(at('warnings'), status?.warnings ?? []);
+    showTexts(at('hints'), status?.hints ?? []);
     document.body.classList.toggle('disconnected', !this.connected);
     at('run').hidden = !this.live || status?.stage === 'calibrating';
     CONTROLS.forEach((id) => {
@@ -62,14 +64,6 @@ export class RunState {
     at('pause').textContent = this.running && this.paused ? 'Resume' : 'Pause';
     if (status) at('facts').replaceChildren(...facts(status).map(([what, figure]) => fact(what, figure)));
     at('facts').hidden = at('facts').childElementCount === 0;
-  }
-
-  /** Shows where the input contradicts itself; the list is made anew only if it has grown. */
-  showWarnings(texts) {
-    const list = at('warnings');
-    list.hidden = texts.length === 0;
-    if (list.childElementCount === texts.length) return;
-    list.replaceChildren(...texts.map((text) => Object.assign(document.createElement('li'), { textContent: text })));
   }
 
   /** [badge, its kind, the line beside it] */
@@ -89,6 +83,14 @@ export class RunState {
     const kind = (mapping && { lost: 'lost', doubtful: 'doubtful' }[status.tracking]) || 'good';
     return [status.paused && mapping ? `${name}, paused` : name, kind, status.message ?? ''];
   }
+}
+
+/** Shows texts, a paragraph each, in an element that screen readers read when it changes: so only if it does. */
+function showTexts(box, texts) {
+  const shown = [...box.children].map(({ textContent }) => textContent);
+  if (texts.length === shown.length && texts.every((text, i) => text === shown[i])) return;
+  box.hidden = texts.length === 0;
+  box.replaceChildren(...texts.map((text) => element('p', {}, text)));
 }
 
 /** Pairs of label and figure; unknown ones are left out. */
