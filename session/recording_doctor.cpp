@@ -87,6 +87,13 @@ void add_depth(const cv::Mat& depth_m, RecordingSigns& signs) {
   signs.depth_m = *middle;
 }
 
+/// How long the signs of a hint must have lasted for it to begin, or been away for it to end.
+int64_t wait_until_change_ns(RecordingHint hint, bool active) {
+  constexpr int64_t kBegins_ns = kNsPerSecond / 2, kEnds_ns = 2 * kNsPerSecond;
+  if (active) return kEnds_ns;
+  return hint == RecordingHint::kInDoubt ? 0 : kBegins_ns;
+}
+
 }  // namespace
 
 const char* name_of(RecordingHint hint) {
@@ -112,7 +119,7 @@ const char* name_of(RecordingHint hint) {
 const char* text_of(RecordingHint hint) {
   switch (hint) {
     case RecordingHint::kInDoubt:
-      return "Where the camera is, is in doubt: go back to what you have recorded, slowly";
+      return "Tracking is in doubt: go back slowly to what you have recorded";
     case RecordingHint::kTooFast:
       return "Too fast: move and turn more slowly";
     case RecordingHint::kNoDepth:
@@ -158,7 +165,6 @@ RecordingHints advice(const RecordingSigns& signs, const RecordingHints& active)
 }
 
 void RecordingDoctor::observe(int64_t stamp_ns, const RecordingSigns& signs) {
-  constexpr int64_t kBegins_ns = kNsPerSecond / 2, kEnds_ns = 2 * kNsPerSecond;
   if (begun_) {
     const double passed_s = std::clamp(to_seconds(stamp_ns - stamp_ns_), 0.0, 1.0);
     for (size_t i = 0; i < kRecordingHints; ++i) seconds_[i] += active_.test(i) ? passed_s : 0;
@@ -168,8 +174,7 @@ void RecordingDoctor::observe(int64_t stamp_ns, const RecordingSigns& signs) {
     const bool changes = wanted.test(i) != active_.test(i);
     if (changes && !changing_.test(i)) changing_ns_[i] = stamp_ns;
     changing_.set(i, changes);
-    const bool at_once = static_cast<RecordingHint>(i) == RecordingHint::kInDoubt;
-    const int64_t wait_ns = active_.test(i) ? kEnds_ns : at_once ? 0 : kBegins_ns;
+    const int64_t wait_ns = wait_until_change_ns(static_cast<RecordingHint>(i), active_.test(i));
     if (!changes || stamp_ns - changing_ns_[i] < wait_ns) continue;
     active_.flip(i);
     changing_.reset(i);

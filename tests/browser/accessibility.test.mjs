@@ -39,12 +39,13 @@ await withBrowser(async ({ open, kinloop, folder }) => {
 
   const [summary, doubtful] = [join(out, 'run.json'), join(folder, 'doubtful.html')];
   const run = JSON.parse(readFileSync(summary, 'utf8'));
-  writeFileSync(summary, JSON.stringify({ ...run, quality: { verdict: 'doubtful', reasons: ['5.0 s are in doubt'] } }));
+  writeFileSync(summary, JSON.stringify({ ...run, quality: { verdict: 'doubtful', reasons: ['5.0 s are in doubt'] }, advice: [{ kind: 'too_fast', seconds: 2.5, advice: 'Too fast: move and turn more slowly' }] }));
   assert.equal(await kinloop('report', out, '-o', doubtful).ended, 0);
   const shared = join(folder, 'room.html');
   assert.equal(await kinloop('share', out, '-o', shared).ended, 0);
   for (const [name, file] of Object.entries({ report: join(out, 'report.html'), 'doubtful report': doubtful, 'shared room': shared })) {
     const page = await open(pathToFileURL(file).href);
+    if (name === 'doubtful report') assert.match(await page.textContent('header'), /while recording: Too fast: move and turn more slowly \(2\.5 s\)/);
     found.push(...(await findings(page, name)));
     await page.close();
   }

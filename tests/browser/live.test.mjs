@@ -102,6 +102,8 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   // The loop closure is displayed.
   await until(async () => (await seen(page)).loops > 0, 'a loop is closed');
   assert.equal((await seen(page)).flash, 'on', 'the page reports the loop');
+  await page.keyboard.press('Escape');
+  assert.ok(await page.evaluate(() => window.kinloop.world.has('loops')), 'its edge stays');
   await shoot(page, 'live-loop');
 
   assert.equal(await run.ended, 0, run.text);
