@@ -89,9 +89,10 @@ void add_depth(const cv::Mat& depth_m, RecordingSigns& signs) {
 
 /// How long the signs of a hint must have lasted for it to begin, or been away for it to end.
 int64_t wait_until_change_ns(RecordingHint hint, bool active) {
-  constexpr int64_t kBegins_ns = kNsPerSecond / 2, kEnds_ns = 2 * kNsPerSecond;
+  constexpr int64_t kBegins_ns = kNsPerSecond / 2, kSwing_ns = kNsPerSecond / 5, kEnds_ns = 2 * kNsPerSecond;
   if (active) return kEnds_ns;
-  return hint == RecordingHint::kInDoubt ? 0 : kBegins_ns;
+  if (hint == RecordingHint::kInDoubt) return 0;
+  return hint == RecordingHint::kTooFast ? kSwing_ns : kBegins_ns;
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ RecordingSigns signs_of(const TrackedFrame& tracked);
 /// until its sign is clearly better.
 RecordingHints advice(const RecordingSigns& signs, const RecordingHints& active);
 
-/// Follows a run. A hint begins when its signs have lasted half a second, at once if the pose is in doubt,
-/// and ends when they have been away for two.
+/// Follows a run. A hint begins when its signs have lasted half a second, a fifth for fast motion, since
+/// swings are short, at once if the pose is in doubt; and ends when they have been away for two seconds.
 class RecordingDoctor : public Listener {
  public:
   void on_frame(const TrackedFrame& tracked) override { observe(tracked.stamp_ns, signs_of(tracked)); }

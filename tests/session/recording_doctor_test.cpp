@@ -37,6 +37,7 @@ class Filming {
 
 constexpr RecordingSigns kGood{};
 constexpr RecordingSigns kFast{.image_motion_rad_s = 3};
+constexpr RecordingSigns kDark{.bright_level = 40};
 
 TEST(Advice, AGoodFrameGetsNone) {
   EXPECT_TRUE(advice(kGood, {}).none());
@@ -70,12 +71,21 @@ TEST(Advice, AHintIsGivenUntilItsSignIsClearlyBetter) {
 TEST(RecordingDoctor, AHintWaitsForHalfASecondOfItsSigns) {
   Filming recording;
   recording.record(1, kGood);
-  recording.record(0.4, kFast);
+  recording.record(0.4, kDark);
   EXPECT_THAT(recording.hints(), IsEmpty());
   recording.record(0.1, kGood);
-  recording.record(0.4, kFast);
+  recording.record(0.4, kDark);
   EXPECT_THAT(recording.hints(), IsEmpty()) << "a pause begins it anew";
-  recording.record(0.3, kFast);
+  recording.record(0.3, kDark);
+  EXPECT_THAT(recording.hints(), ElementsAre(kTooDark));
+}
+
+TEST(RecordingDoctor, SwingsAreShort) {
+  Filming recording;
+  recording.record(1, kGood);
+  recording.record(0.2, kFast);
+  EXPECT_THAT(recording.hints(), IsEmpty());
+  recording.record(0.1, kFast);
   EXPECT_THAT(recording.hints(), ElementsAre(kTooFast));
 }
 
@@ -111,7 +121,7 @@ TEST(RecordingDoctor, CountsTheSecondsOfEachHint) {
   EXPECT_EQ(recording.seconds(kTooFast), 0);
   recording.record(3, kFast);
   recording.record(5, kGood);
-  EXPECT_NEAR(recording.seconds(kTooFast), 3 - 0.5 + 2, 0.11);
+  EXPECT_NEAR(recording.seconds(kTooFast), 3 - 0.2 + 2, 0.11);
 }
 
 TEST(RecordingDoctor, AGapCountsForASecondAtMost) {
