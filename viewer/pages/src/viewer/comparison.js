@@ -22,6 +22,7 @@ export class Comparison {
 
   clear() {
     this.objects = [];
+    this.list.show([]);
     this.name(false);
     this.deselect();
   }
@@ -102,7 +103,7 @@ export class Comparison {
     at('object').querySelector('dl').replaceChildren(...figureRows(figures));
     views.forEach((keyframe, visit) => {
       const figure = at('object').querySelectorAll('figure')[visit];
-      const words = keyframe === undefined ? ': no image of this place' : `, ${visit === 0 ? 'before' : 'after'}`;
+      const words = keyframe === undefined ? '' : `, ${visit === 0 ? 'before' : 'after'}`;
       const jpeg = keyframe === undefined ? undefined : this.world.pictures.of(keyframe);
       const selected = this.list.selected;
       const name = keyframe === undefined ? this.table.names[visit] : `keyframe ${keyframe} of ${this.table.names[visit]}`;
@@ -129,7 +130,7 @@ export class Comparison {
     return best.keyframe;
   }
 
-  /** Looks at an object from where a camera saw it, so that nothing stands between. */
+  /** Looks at an object from the keyframe that has it in view best. */
   flyTo(object, views) {
     const { group, poses } = this.world;
     const { cameraControls } = this.view;

@@ -20,6 +20,7 @@ export class Loops {
 
   clear() {
     this.loops = []; // in the order of their later ends
+    this.list.show([]);
     this.chosen = new Set(SHOWN_AT_FIRST);
     at('loops').hidden = true;
     this.deselect();

@@ -14,7 +14,7 @@ export class SelectList {
   }
 
   /** Lists items, which are numbers; content(item) returns the nodes of an entry. */
-  show(items, content) {
+  show(items, content = () => []) {
     this.items = items;
     this.list.hidden = items.length === 0;
     this.list.replaceChildren(

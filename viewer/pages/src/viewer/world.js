@@ -326,7 +326,7 @@ export class World {
   /** Arrows from estimated to true positions, which are millimetres apart and therefore magnified. */
   drawErrors() {
     const ends = Array.from({ length: this.errors.length / 3 }, (_, i) => new Vector3().fromArray(this.errors, 3 * i));
-    const longestM = Math.max(1e-9, ...ends.map((end, i) => (i % 2 ? end.distanceTo(ends[i - 1]) : 0)));
+    const longestM = ends.reduce((most, end, i) => (i % 2 ? Math.max(most, end.distanceTo(ends[i - 1])) : most), 1e-9);
     const extentM = new Box3().setFromPoints(ends).getSize(new Vector3()).length();
     this.errorFactor = Math.max(1, roundLength(Math.max(1, (ERROR_SHARE * extentM) / longestM)));
     this.lines.errors.fill((add) => {
