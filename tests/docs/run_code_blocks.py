@@ -80,8 +80,10 @@ def prepare(folder, text, program, recording, shared):
         (folder / name).symlink_to(recording)
     if (stills := shared / "kinect2_checkerboard").is_dir():
         link_stills(stills if "STILLS/" in text else stills / "colour", folder / "STILLS")
-    if "d/map.kinmap" in text:  # another map of the reader's
-        kinloop(program, folder, "kinloop run RECORDING -o d -q")
+    # Maps of the reader's, by what a page says of them.
+    for name, mentioned in {"d": "d/map.kinmap", "monday": "monday --compare", "tuesday": "--compare tuesday"}.items():
+        if mentioned in text:
+            kinloop(program, folder, f"kinloop run RECORDING -o {name} -q")
     shutil.copy(recording / "groundtruth.txt", folder / "orbslam2.txt")  # the trajectory of another program
 
 
