@@ -95,10 +95,10 @@ std::optional<TrackedFrame> Tracker::find_elsewhere(const TrackedFrame& tracked,
                                                     const TrackingContext& context) const {
   constexpr double kMaxDistance_m = 0.1, kMaxAngle_rad = 0.1;
   const ScopedTimer timer(timings_, "relocalization");
-  if (!measured.features) measured.features = front_end_.features(measured);
+  measured = with_features(std::move(measured));
   auto found = context.relocalize(deskewed(measured, context.sensor, tracked.velocity));
-  if (!found || !is_confident(*found, *measured.features)) return std::nullopt;
   const Map& map = context.map;
+  if (!found || !is_confident(*found, *measured.features) || !is_reachable(*found, map)) return std::nullopt;
   const SE3 T_found_tracked = world_pose(*found, map).inverse() * world_pose(tracked, map);
   if (is_tracked_in(map.keyframe(found->reference).component, tracked, map) &&
       T_found_tracked.translation.norm() < kMaxDistance_m && T_found_tracked.angle_rad() < kMaxAngle_rad)
@@ -110,14 +110,19 @@ std::optional<TrackedFrame> Tracker::find_elsewhere(const TrackedFrame& tracked,
 /// probably where none has been mapped: in doubt, no keyframe is made that would extend the map.
 std::optional<TrackedFrame> Tracker::start_map_after_doubt(const TrackedFrame& tracked, Frame frame,
                                                            const Sensor& sensor) const {
-  const bool enabled = options_.lost_frames_before_new_component > 0;
-  if (!enabled || tracked.outcome != TrackingOutcome::kTracked || !is_few(tracked) || !follows_weak_pose() ||
+  if (!may_start_component() || tracked.outcome != TrackingOutcome::kTracked || !remains_weak(tracked) ||
       tracked.stamp_ns - *doubtful_since_ns_ < kMaxHidden_ns)
     return std::nullopt;
-  if (!frame.features) frame.features = front_end_.features(frame);
+  frame = with_features(std::move(frame));
   TrackedFrame started = start_map_or_lose(frame);
   if (started.is_lost()) return std::nullopt;
   return with_motion(std::move(started), std::move(frame), sensor);
+}
+
+/// Extracts the keypoints of a frame that was tracked by patches.
+Frame Tracker::with_features(Frame frame) const {
+  if (!frame.features) frame.features = front_end_.features(frame);
+  return frame;
 }
 
 /// Leaves out the keypoints and the depth of what moved in the previous frame, but not its surfaces, which
@@ -209,15 +214,20 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   return may_be_elsewhere(frame) ? start_map_or_lose(frame) : tracked;
 }
 
-/// Whether the camera can have got there since the previous frame. Its pose may have drifted since that part
-/// of the map was made.
+/// Whether the camera can have got there since its last pose beyond doubt: by walking on, and changing the
+/// velocity no faster than a person does for long. That pose may have drifted since this part of the map was
+/// made.
 bool Tracker::is_reachable(const TrackedFrame& found, const Map& map) const {
-  constexpr double kMaxSpeed_m_s = 3, kMaxDrift_m = 0.5;
-  if (!previous_ || !is_tracked_in(map.keyframe(found.reference).component, *previous_, map)) return true;
-  const double distance_m =
-      (world_pose(found, map).translation - world_pose(*previous_, map).translation).norm();
-  const double since_s = to_seconds(found.stamp_ns - previous_->stamp_ns);
-  return distance_m < kMaxDrift_m + kMaxSpeed_m_s * since_s;
+  constexpr double kMaxSpeed_m_s = 3, kMaxAcceleration_m_s2 = 1, kMaxDrift_m = 0.5;
+  if (!trusted_) return true;
+  const Keyframe& reference = map.keyframe(trusted_->reference);
+  if (reference.component != map.keyframe(found.reference).component) return true;
+  const double since_s = to_seconds(found.stamp_ns - trusted_->stamp_ns);
+  const SE3 T_world_trusted = reference.T_world_camera * trusted_->T_reference_camera;
+  const Eigen::Vector3d p_expected = T_world_trusted * (since_s * trusted_->velocity.linear_m_s);
+  const double off_m = (world_pose(found, map).translation - p_expected).norm();
+  return off_m <
+         kMaxDrift_m + std::min(kMaxSpeed_m_s * since_s, kMaxAcceleration_m_s2 / 2 * since_s * since_s);
 }
 
 /// Whether the camera was relocalized and this frame does not confirm it.
@@ -227,11 +237,14 @@ bool Tracker::is_hypothesis(const TrackedFrame& tracked) const {
          (tracked.provisional || (unexpected && !is_confident(tracked, tracked.features())));
 }
 
+bool Tracker::may_start_component() const {
+  return options_.lost_frames_before_new_component > 0;
+}
+
 /// Whether the camera has been lost for so long that it may be in an unmapped place. Behind something that
 /// moves, the mapped place comes into view again, and a map of what hides it would be worse than none.
 bool Tracker::may_be_elsewhere(const Frame& frame) const {
-  const int max_lost = options_.lost_frames_before_new_component;
-  if (max_lost <= 0 || lost_frames_ < max_lost) return false;
+  if (!may_start_component() || lost_frames_ < options_.lost_frames_before_new_component) return false;
   const bool hidden = moved_ns_ && lost_since_ns_ - *moved_ns_ < kNsPerSecond;
   return !hidden || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
 }
@@ -325,7 +338,7 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     find_moved(tracked, measured);
     const bool doubtful_before = previous_ && lost_frames_ == 0 && previous_->doubtful;
     tracked.doubtful = is_doubtful(tracked, doubtful_before) || misses_most(tracked, *measured.features) ||
-                       (is_few(tracked) && follows_weak_pose());
+                       remains_weak(tracked);
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
   if (tracked.is_located() && (is_hypothesis(tracked) || lacks_scale(tracked, lacks_scale_)))
@@ -365,6 +378,11 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
 bool Tracker::follows_weak_pose() const {
   return previous_ && lost_frames_ == 0 && previous_->doubtful && is_few(*previous_);
+}
+
+/// Whether few landmarks support a pose that follows such a one.
+bool Tracker::remains_weak(const TrackedFrame& tracked) const {
+  return is_few(tracked) && follows_weak_pose();
 }
 
 /// Whether the motion from the previous frame is known.
@@ -431,6 +449,7 @@ void Tracker::forget_motion() {
 
 void Tracker::reset() {
   previous_.reset();
+  trusted_.reset();
   recent_.clear();
   local_map_ = {};
   motion_.reset();
@@ -479,6 +498,8 @@ void Tracker::remember(const TrackedFrame& latest) {
     lacks_scale_ = latest.is_located() && lacks_scale(latest, lacks_scale_);
     lost_frames_ = 0;
     previous_ = latest;
+    if (!latest.doubtful)
+      trusted_ = {latest.reference, latest.T_reference_camera, latest.velocity, latest.stamp_ns};
     keep_recent(latest);
   }
 }

@@ -33,6 +33,14 @@ struct TrackingContext {
   const Relocalizer& relocalize;
 };
 
+/// A pose beyond doubt.
+struct TrustedPose {
+  KeyframeId reference;
+  SE3 T_reference_camera;
+  Velocity velocity;
+  int64_t stamp_ns = 0;
+};
+
 /// Keeps the previous frame, the local map and the motion model. Only `update` changes them.
 class Tracker {
  public:
@@ -90,6 +98,7 @@ class Tracker {
                                                            const TrackingContext& context) const;
   [[nodiscard]] std::optional<TrackedFrame> start_map_after_doubt(const TrackedFrame& tracked, Frame frame,
                                                                   const Sensor& sensor) const;
+  [[nodiscard]] Frame with_features(Frame frame) const;
   [[nodiscard]] Frame without_moved(const Frame& frame) const;
   void find_moved(TrackedFrame& tracked, const Frame& frame) const;
   [[nodiscard]] bool repeats_previous_image(const Frame& frame) const;
@@ -98,6 +107,7 @@ class Tracker {
   [[nodiscard]] std::optional<TrackedFrame> track_by_patches(const Frame& frame, const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame track_by_keypoints(Frame frame, const TrackingContext& context) const;
   [[nodiscard]] TrackedFrame locate(const Frame& frame, const TrackingContext& context) const;
+  [[nodiscard]] bool may_start_component() const;
   [[nodiscard]] bool may_be_elsewhere(const Frame& frame) const;
   [[nodiscard]] bool continues_previous(const Frame& frame) const;
   [[nodiscard]] bool is_reachable(const TrackedFrame& found, const Map& map) const;
@@ -111,6 +121,7 @@ class Tracker {
   [[nodiscard]] Velocity velocity_of(const TrackedFrame& tracked) const;
   [[nodiscard]] Frame deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const;
   [[nodiscard]] bool follows_weak_pose() const;
+  [[nodiscard]] bool remains_weak(const TrackedFrame& tracked) const;
   [[nodiscard]] bool follows_previous(const TrackedFrame& tracked) const;
   void remember(const TrackedFrame& latest);
   void keep_recent(const TrackedFrame& latest);
@@ -120,6 +131,7 @@ class Tracker {
   FrontEnd front_end_;
   Timings& timings_;
   std::optional<TrackedFrame> previous_;  // the last frame with a pose; none before the first
+  std::optional<TrustedPose> trusted_;    // the last pose beyond doubt
   std::deque<TrackedFrame> recent_;       // tracked without interruption until `previous_`, oldest first
   LocalMap local_map_;
   MotionModel motion_;

@@ -213,8 +213,29 @@ TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
     return std::optional(found);
   };
   EXPECT_TRUE(show(elsewhere()).is_lost());
-  id_ += 30;  // a second later
+  id_ += 60;  // two seconds later
   EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kRelocalized);
+}
+
+TEST_F(TrackerOutcome, InDoubtACameraIsNotRecognizedWhereItCannotHaveGotSinceItsLastPoseBeyondDoubt) {
+  build_map();
+  show(pose(1.5));
+  relocalize_ = [](const Frame& frame) {
+    TrackedFrame found = unlocated(frame);
+    found.outcome = TrackingOutcome::kRelocalized;
+    found.reference = KeyframeId{0};
+    found.T_reference_camera.translation = {5, 0, 0};
+    found.evidence.inliers = found.evidence.with_depth = 500;
+    return std::optional(found);
+  };
+  const auto turned = [](double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); };
+  double angle_rad = 0.05;
+  TrackedFrame latest = show(turned(angle_rad));
+  while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+  const int64_t doubtful_since_ns = latest.stamp_ns;
+  while (latest.doubtful && id_ < 400) latest = show(turned(angle_rad));
+  EXPECT_EQ(latest.outcome, TrackingOutcome::kRelocalized);
+  EXPECT_GE(latest.stamp_ns - doubtful_since_ns, 2'000'000'000) << "at 1 m/s^2, beside half a metre of drift";
 }
 
 TEST_F(TrackerOutcome, PreviousFrameIsExpressedInANewReference) {
