@@ -4,9 +4,9 @@
 
 namespace kinloop {
 
-BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options)
+BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, HasDouble has_double)
     : map_(map),
-      verification_{LoopVerificationJob(options)},
+      verification_{LoopVerificationJob(options, std::move(has_double))},
       correction_{LoopCorrectionJob(options)},
       global_ba_{GlobalBaJob(options)},
       local_ba_{LocalBaJob(options)},

@@ -36,12 +36,15 @@ class BackEnd {
  public:
   /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.
   /// `nominal` is the sensor of camera.yaml.
-  BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options);
+  BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, HasDouble has_double);
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
   /// Adds loop hypotheses. Those that are verified and agree are added to the map, which is then corrected.
   void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
+
+  /// Says that the camera was falsely located in the component of this keyframe: loops join it later.
+  void suspect(KeyframeId place) { verification_.kind.suspect(place); }
 
   /// Submits the jobs due at frame `now`.
   void submit(FrameId now, const JobContext& context);

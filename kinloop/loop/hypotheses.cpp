@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kAgreeingKeyframes = 3;  // during the run
 constexpr int kAgreeingKeyframesAtEnd = 2;
+constexpr int kViewsOfSuspect = 20, kViewsOfSuspectAtEnd = 4;
 constexpr size_t kLead = 2;  // keyframes more than those of a place that contradicts
 
 /// The covariances of both loops and the drift between their ends: 2 to 3 % of the path, see drift.cpp.
@@ -141,23 +142,56 @@ LoopDecisions LoopHypotheses::add(const Map& map, std::vector<LoopVerificationRe
   for (LoopVerificationResult& result : verified) {
     if (is_usable(map, result.loop)) waiting_.push_back(std::move(result));
   }
-  return decide(first, {map, sensor, kAgreeingKeyframes});
+  return decide(first, {map, sensor, kAgreeingKeyframes, kViewsOfSuspect});
 }
 
 LoopDecisions LoopHypotheses::finish(const Map& map, const Sensor& sensor) {
   std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
-  return decide(0, {map, sensor, kAgreeingKeyframesAtEnd});
+  return decide(0, {map, sensor, kAgreeingKeyframesAtEnd, kViewsOfSuspectAtEnd});
 }
 
 /// What refutes a group of loops with these scales, although they agree; kNone if nothing does.
 LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>& scales,
                                   const Situation& situation) const {
-  const auto& [map, sensor, required] = situation;
+  const auto& [map, sensor, required, required_of_suspect] = situation;
   const LoopClosure& loop = waiting_[index].loop;
   if (refutes_same_place(combine(scales))) return LoopReason::kScale;
   const bool joins = map.keyframe(loop.a).component != map.keyframe(loop.b).component;
   if (joins && refutes_same_room(compare_components(map, loop, sensor))) return LoopReason::kDoesNotFit;
   return LoopReason::kNone;
+}
+
+bool LoopHypotheses::has_double(const Map& map, KeyframeId keyframe) {
+  const auto [found, added] = doubles_.try_emplace(keyframe, false);
+  if (added) found->second = has_double_(map, keyframe);
+  return found->second;
+}
+
+/// Whether a loop would join components although too few keyframes of its group show places without doubles.
+bool LoopHypotheses::joins_by_doubles(size_t index, const std::vector<size_t>& group,
+                                      const Situation& situation) {
+  const Map& map = situation.map;
+  const LoopClosure& loop = waiting_[index].loop;
+  if (map.keyframe(loop.a).component == map.keyframe(loop.b).component) return false;
+  std::set<KeyframeId> distinct;
+  for (const size_t member : group) {
+    const LoopClosure& other = waiting_[member].loop;
+    if (!has_double(map, other.a) && !has_double(map, other.b)) distinct.insert(other.b);
+  }
+  return static_cast<int>(distinct.size()) < situation.required_keyframes;
+}
+
+/// Whether a loop joins a component in which the camera was falsely located, after too few views.
+bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situation) const {
+  const Map& map = situation.map;
+  const LoopClosure& loop = waiting_[index].loop;
+  const uint32_t a = map.keyframe(loop.a).component, b = map.keyframe(loop.b).component;
+  const bool suspected = std::any_of(suspected_.begin(), suspected_.end(), [&](KeyframeId place) {
+    const uint32_t component = map.keyframe(place).component;
+    return component == a || component == b;
+  });
+  return a != b && suspected &&
+         compare_components(map, loop, situation.sensor).views < situation.required_views_of_suspect;
 }
 
 /// Decides on the waiting loops from index `first` on.
@@ -176,9 +210,11 @@ LoopDecisions LoopHypotheses::decide(size_t first, const Situation& situation) {
     const Group group = group_of(i, waiting_, map);
     loop.support = static_cast<int>(group.keyframes.size());
     const bool alone = fits_map(map, loop);
-    if (group.is_ambiguous()) {
+    const bool too_few =
+        !alone && (loop.support < situation.required_keyframes || joins_suspect_early(i, situation));
+    if (group.is_ambiguous() || (!too_few && joins_by_doubles(i, group.waiting, situation))) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kAmbiguous));
-    } else if (!alone && loop.support < situation.required_keyframes) {
+    } else if (too_few) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
     } else if (const LoopReason reason = refute(i, group.scales, situation); reason != LoopReason::kNone) {
       for (const size_t member : group.waiting) reject(member, reason);

@@ -3,6 +3,9 @@
 // several keyframes of a visit measure the same relative pose to another visit is no chance. Until then the
 // map is not bent.
 
+#include <functional>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "kinloop/loop/verify_loop.hpp"
@@ -30,14 +33,24 @@ struct LoopDecisions {
   std::vector<LoopClosure> others;               ///< provisional or rejected, with the reason
 };
 
+/// Returns whether another place of the keyframe's component looks like that of the keyframe.
+using HasDouble = std::function<bool(const Map& map, KeyframeId keyframe)>;
+
 /// Verified loops that wait for other keyframes.
 class LoopHypotheses {
  public:
+  explicit LoopHypotheses(HasDouble has_double) : has_double_(std::move(has_double)) {}
+
   /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
   /// whose visits differ in scale, or that join components whose surfaces contradict each other, are
-  /// rejected, and with a group those that contradict it.
+  /// rejected, and with a group those that contradict it. Loops between places that have doubles do not join
+  /// components: along a corridor, all keyframes agree on the wrong one of the same doors.
   LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
+
+  /// Says that the camera was thought to be in the component of this keyframe, and was not: a visit joins it
+  /// only after many of its views have been compared.
+  void suspect(KeyframeId place) { suspected_.push_back(place); }
 
   /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others
   /// stay provisional, and wait for another run.
@@ -47,12 +60,19 @@ class LoopHypotheses {
   struct Situation {
     const Map& map;
     const Sensor& sensor;
-    int required_keyframes;
+    int required_keyframes, required_views_of_suspect;
   };
   [[nodiscard]] LoopReason refute(size_t index, const std::vector<RelativeScale>& scales,
                                   const Situation& situation) const;
+  [[nodiscard]] bool has_double(const Map& map, KeyframeId keyframe);
+  [[nodiscard]] bool joins_suspect_early(size_t index, const Situation& situation) const;
+  [[nodiscard]] bool joins_by_doubles(size_t index, const std::vector<size_t>& group,
+                                      const Situation& situation);
   LoopDecisions decide(size_t first, const Situation& situation);
 
+  HasDouble has_double_;
+  std::vector<KeyframeId> suspected_;
+  std::map<KeyframeId, bool> doubles_;  // of the keyframes that were asked for: it takes time
   std::vector<LoopVerificationResult> waiting_;
 };
 

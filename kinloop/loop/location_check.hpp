@@ -32,8 +32,12 @@ class LocationCheck {
   /// Adds a frame. `confident` tells whether many landmarks agree with its pose.
   void add(const LocationEvidence& evidence, bool confident);
 
+  /// Adds the look of a frame after the place was confirmed; a few a second are enough.
+  void add_look(double appearance_p_value);
+
   /// Returns whether the camera is elsewhere: the place has another size, the latest frames lie in free
-  /// space of the map, or in most of them a part of the view looks different.
+  /// space of the map, or in most of them a part of the view looks different. Also, after it was confirmed,
+  /// whether too many frames look different, as those of another floor furnished alike.
   [[nodiscard]] bool is_refuted() const;
 
   /// Returns whether two frames agree with the place; once true, it remains so. Without depth, nothing but
@@ -47,6 +51,7 @@ class LocationCheck {
 
   std::deque<LocationEvidence> latest_;
   int frames_ = 0, confident_frames_ = 0;
+  int looks_ = 0, different_looks_ = 0;
   bool confirmed_ = false;
 };
 

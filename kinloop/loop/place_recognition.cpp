@@ -6,6 +6,7 @@
 #include "kinloop/loop/drift.hpp"
 #include "kinloop/loop/recognize_place.hpp"
 #include "kinloop/loop/relative_scale.hpp"
+#include "kinloop/loop/view_difference.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 
@@ -41,6 +42,35 @@ bool fits_better(const TrackedFrame& pose, const TrackedFrame& other) {
   return other.evidence.inliers < kMaxRatio * pose.evidence.inliers;
 }
 
+/// Whether a keyframe shows something else than others.
+bool is_apart(const Map& map, KeyframeId id, const std::vector<KeyframeId>& others) {
+  constexpr double kSpacing_m = 0.5, kSpacing_rad = 0.5;
+  const SE3& T_world_camera = map.keyframe(id).T_world_camera;
+  return std::none_of(others.begin(), others.end(), [&](KeyframeId other) {
+    const SE3 T_other_camera = map.keyframe(other).T_world_camera.inverse() * T_world_camera;
+    return T_other_camera.translation.norm() < kSpacing_m && T_other_camera.angle_rad() < kSpacing_rad;
+  });
+}
+
+/// Keyframes of a component around a position, the nearest first, that show different things.
+std::vector<KeyframeId> views_around(const Map& map, uint32_t component, const Eigen::Vector3d& p_world) {
+  constexpr double kMaxDistance_m = 5;
+  constexpr size_t kMaxCount = 16;
+  std::vector<std::pair<double, KeyframeId>> near;
+  for (const Keyframe& keyframe : map.keyframes()) {
+    const double away_m = (keyframe.T_world_camera.translation - p_world).norm();
+    if (keyframe.component == component && !keyframe.withdrawn && away_m < kMaxDistance_m)
+      near.emplace_back(away_m, keyframe.id);
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<KeyframeId> views;
+  for (const auto& [away_m, id] : near) {
+    if (is_apart(map, id, views)) views.push_back(id);
+    if (views.size() == kMaxCount) break;
+  }
+  return views;
+}
+
 /// Whether the frame itself refutes the pose that was found for it.
 bool refutes(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
   LocationEvidence evidence = compare_with_views(map, map.keyframe(found.reference).component, end_of(map),
@@ -60,6 +90,7 @@ BowVector PlaceRecognition::bow_of(const Features& features) const {
 void PlaceRecognition::add(const Keyframe& keyframe) {
   QuantizedFeatures quantized = vocabulary_.quantize(keyframe.features->descriptors);
   index_.add(keyframe.id, vocabulary_.bow_of(quantized.words));
+  doubles_.clear();
   if (keyframe.id.value >= nodes_.size()) nodes_.resize(keyframe.id.value + 1);
   nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
@@ -105,7 +136,57 @@ std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, con
     if (!fits_better(*rival, *best)) return std::nullopt;
     best = std::move(rival);
   }
+  if (best && has_double(map.keyframe(best->reference).component, world_pose(*best, map).translation, map))
+    return std::nullopt;
   return best;
+}
+
+bool PlaceRecognition::has_double(KeyframeId id, const Map& map) const {
+  const Keyframe& keyframe = map.keyframe(id);
+  return has_double(keyframe.component, keyframe.T_world_camera.translation, map);
+}
+
+/// Asks the views around: where something repeats itself, the camera has not looked at all of it alike.
+bool PlaceRecognition::has_double(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const {
+  const auto views = views_around(map, component, p_world);
+  return std::any_of(views.begin(), views.end(), [&](KeyframeId view) {
+    const auto [found, added] = doubles_.try_emplace(view, false);
+    if (added) found->second = find_double(view, map);
+    return found->second;
+  });
+}
+
+/// Whether a keyframe is recognized in a part of its component that it does not show.
+bool PlaceRecognition::find_double(KeyframeId id, const Map& map) const {
+  constexpr size_t kLookedAt = 60, kMaxVerified = 8;  // verification takes time
+  const Keyframe& keyframe = map.keyframe(id);
+  const auto group = covisible_group(map, id);  // they show the same place
+  std::vector<KeyframeId> verified;
+  for (const auto& [other, score] : index_.query(bow_of(*keyframe.features), kLookedAt)) {
+    const Keyframe& view = map.keyframe(other);
+    const SE3 T_view_keyframe = view.T_world_camera.inverse() * keyframe.T_world_camera;
+    if (view.withdrawn || view.component != keyframe.component || view_difference(T_view_keyframe)) continue;
+    if (std::binary_search(group.begin(), group.end(), other) || !is_apart(map, other, verified)) continue;
+    if (looks_like(keyframe, view, map)) return true;
+    verified.push_back(other);
+    if (verified.size() == kMaxVerified) break;
+  }
+  return false;
+}
+
+/// Whether a keyframe is recognized at another one, at a pose that drift of the map does not explain.
+bool PlaceRecognition::looks_like(const Keyframe& keyframe, const Keyframe& other, const Map& map) const {
+  const auto& [sensor, options] = context_;
+  const auto T_other_keyframe = propose_pose({indexed_view(other), indexed_view(keyframe), std::nullopt},
+                                             context_, hash(options.seed, keyframe.id.value));
+  if (!T_other_keyframe) return false;
+  const LocalMap local_map = make_local_map(map, other.id, options.local_map);
+  const Frame frame = make_loop_verification_problem(keyframe).frame;
+  const auto found =
+      confirm_pose({frame, local_map, sensor, options.tracking}, *T_other_keyframe, options.loop);
+  TrackedFrame itself;
+  itself.reference = keyframe.id;
+  return found && !agree(itself, *found, map);
 }
 
 LocationEvidence PlaceRecognition::examine(const TrackedFrame& tracked, const Map& map,

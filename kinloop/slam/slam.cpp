@@ -60,7 +60,8 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       relocalizer_([this](const Frame& frame) { return relocalize(frame); }),
       mapper_(mapper_options(options_)),
       places_(sensor(), place_options(options_), std::move(vocabulary)),
-      back_end_(map_, sensor_estimate_, back_end_options(options_)),
+      back_end_(map_, sensor_estimate_, back_end_options(options_),
+                [this](const Map& map, KeyframeId keyframe) { return places_.has_double(keyframe, map); }),
       online_covariance_(depth_scale_sigma(camera.sensor.kind)) {}
 
 TrackedFrame Slam::process(const Frame& frame) {
@@ -79,8 +80,9 @@ TrackedFrame Slam::process(const Frame& frame) {
   check_location(tracked);
   if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
   if (auto selected = select_keyframe(tracked)) {
+    const bool rematched = selected->frame != tracked.frame;  // its keypoints show the place, patches do not
     tracked = *std::move(selected);
-    check_location(tracked);
+    if (rematched) check_location(tracked);
     if (!tracked.is_lost() && !tracked.doubtful) insert_keyframe(tracked);
   }
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);

@@ -49,6 +49,7 @@ struct LocatedPlace {
   KeyframeId end;  ///< the first keyframe made since then
   uint32_t component = 0;
   LocationCheck check = {};
+  int64_t looked_ns = 0;  ///< when the look of a frame was added last
 };
 
 /// A place that was refuted.
@@ -138,6 +139,7 @@ class Slam {
   [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame) const;
   [[nodiscard]] bool is_located_anew(const TrackedFrame& tracked) const;
   void check_location(TrackedFrame& tracked);
+  void examine(const TrackedFrame& tracked, LocatedPlace& place) const;
   void take_back_location(TrackedFrame& tracked);
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;

@@ -24,12 +24,17 @@ bool was_refuted(const std::optional<RefutedPlace>& refuted, uint32_t component,
          now_ns - refuted->refuted_ns < duration_ns;
 }
 
-/// Whether a frame says something of its place. Once that is confirmed, what is in front of it has probably
-/// moved there, unless few landmarks agree.
-bool is_evidence(const TrackedFrame& tracked, bool confirmed) {
+/// Whether the keypoints of a frame say what its place looks like.
+bool shows_place(const TrackedFrame& tracked) {
   const Features* features = tracked.frame->features.get();
-  if (features == nullptr || !features->has_descriptors() || tracked.is_repeat()) return false;
-  return !confirmed || (!is_confident(tracked, *features) && tracked.evidence.moved_share == 0);
+  return features != nullptr && features->has_descriptors() && !tracked.is_repeat();
+}
+
+/// Whether nothing seems to have moved: behind what has, a place looks different.
+bool is_at_rest(const TrackedFrame& tracked) {
+  constexpr double kMaxContradicted = 0.02;
+  return tracked.evidence.moved_share == 0 &&
+         tracked.evidence.surfaces.contradicted_share() < kMaxContradicted;
 }
 
 /// Whether a place has been checked for long enough; never before it is confirmed.
@@ -63,13 +68,34 @@ std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
   return found;
 }
 
-/// Whether the camera may have been carried to another place since the last frame with a pose.
+/// Whether the camera may have been carried to another place since the last frame with a pose, or has been
+/// recognized long after the last pose beyond doubt.
 bool Slam::is_located_anew(const TrackedFrame& tracked) const {
   constexpr int64_t kCarried_ns = 2 * kNsPerSecond;
+  const bool recognized = tracked.outcome == TrackingOutcome::kRelocalized;
   const auto frames = session_log();
-  const auto last =
-      std::find_if(frames.rbegin(), frames.rend(), [](const TrackedFrame& f) { return !f.is_lost(); });
+  const auto last = std::find_if(frames.rbegin(), frames.rend(), [&](const TrackedFrame& frame) {
+    return !frame.is_lost() && !(recognized && frame.doubtful);
+  });
   return last == frames.rend() || tracked.stamp_ns - last->stamp_ns > kCarried_ns;
+}
+
+/// Adds what a frame says of its place. Once that is confirmed, surfaces in front of it have probably moved
+/// there, unless few landmarks agree.
+void Slam::examine(const TrackedFrame& tracked, LocatedPlace& place) const {
+  constexpr int64_t kBetweenLooks_ns = 3 * kNsPerSecond / 10;
+  if (!shows_place(tracked)) return;
+  const bool confirmed = place.check.is_confirmed();
+  const bool confident = is_confident(tracked, tracked.features());
+  const bool as_before = !confirmed || (!confident && tracked.evidence.moved_share == 0);
+  const bool look =
+      confirmed && is_at_rest(tracked) && tracked.stamp_ns - place.looked_ns >= kBetweenLooks_ns;
+  if (!as_before && !look) return;
+  const LocationEvidence evidence = places_.examine(tracked, map_, place.end);
+  if (as_before) place.check.add(evidence, confident);
+  if (!look) return;
+  place.check.add_look(evidence.appearance_p_value);
+  place.looked_ns = tracked.stamp_ns;
 }
 
 /// Checks the place of a frame in the map. The frame becomes provisional if it is not confirmed yet, and lost
@@ -82,9 +108,8 @@ void Slam::check_location(TrackedFrame& tracked) {
   const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
   if (is_located_anew(tracked)) begin_anew(located_, {log_.size(), tracked.stamp_ns, end, component});
   if (!located_) return;
-  LocationCheck& check = located_->check;
-  if (is_evidence(tracked, check.is_confirmed()))
-    check.add(places_.examine(tracked, map_, located_->end), is_confident(tracked, tracked.features()));
+  examine(tracked, *located_);
+  const LocationCheck& check = located_->check;
   if (check.is_refuted()) return take_back_location(tracked);
   // Where the camera was said to be before, and was not, it has to be seen for longer.
   const bool too_early = was_refuted(refuted_, component, tracked.stamp_ns, kSuspected_ns) &&
@@ -97,6 +122,7 @@ void Slam::check_location(TrackedFrame& tracked) {
 void Slam::take_back_location(TrackedFrame& tracked) {
   const LocatedPlace place = *std::exchange(located_, std::nullopt);
   refuted_ = RefutedPlace{place.component, tracked.stamp_ns};
+  back_end_.suspect(tracked.reference);
   if (place.begin < log_.size() && withdraw_keyframes(place.begin, place.component, map_, log_))
     map_changed_ = true;
   const auto lose = [](TrackedFrame& frame) {

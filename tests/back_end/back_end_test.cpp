@@ -44,6 +44,10 @@ BackEndOptions ring_options() {
   return options;
 }
 
+bool no_doubles(const Map& /*map*/, KeyframeId /*keyframe*/) {
+  return false;
+}
+
 class BackEndTest : public testing::Test {
  protected:
   BackEndTest() {
@@ -89,7 +93,7 @@ class BackEndTest : public testing::Test {
   FrameLog log_;
   Sensor sensor_{world_.camera};
   FrameId now_{0};
-  BackEnd back_end_{built_.map, nominal_estimate(sensor_), ring_options()};
+  BackEnd back_end_{built_.map, nominal_estimate(sensor_), ring_options(), no_doubles};
 };
 
 TEST_F(BackEndTest, NoJobIsDueInitially) {
@@ -177,7 +181,7 @@ TEST_F(BackEndTest, SelfCalibrationWaitsForCorrections) {
 TEST_F(BackEndTest, JobsThatMoveTheWholeMapWaitForEachOther) {
   BackEndOptions options = ring_options();
   options.executor.mode = ExecutorMode::kLagged;
-  BackEnd back_end(map(), nominal_estimate(sensor_), options);
+  BackEnd back_end(map(), nominal_estimate(sensor_), options, no_doubles);
   back_end.add(revisit());
   std::vector<std::string> done;
   for (uint32_t now = 0; now < 80; ++now) {
@@ -196,7 +200,7 @@ TEST_F(BackEndTest, ALargeMapIsNotAdjustedAsAWholeDuringTheRun) {
     BackEndOptions options = ring_options();
     options.global_ba_max_keyframes = options.self_calibration.max_keyframes = keyframes;
     test::SyntheticMap built = built_;
-    BackEnd back_end(built.map, nominal_estimate(sensor_), options);
+    BackEnd back_end(built.map, nominal_estimate(sensor_), options, no_doubles);
     back_end.add(revisit());
     std::vector<std::string> done;
     for (uint32_t now = 0; now < 8; ++now) {

@@ -2,6 +2,8 @@
 
 #include "kinloop/loop/hypotheses.hpp"
 
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,10 +67,14 @@ class Hypotheses : public testing::Test {
   LoopDecisions add(std::vector<LoopVerificationResult> verified) {
     return hypotheses_.add(map_, std::move(verified), sensor_);
   }
+  LoopHypotheses no_loops() {
+    return LoopHypotheses([this](const Map& /*map*/, KeyframeId id) { return doubles_.contains(id); });
+  }
   LoopDecisions finish() { return hypotheses_.finish(map_, sensor_); }
 
   Map map_;
-  LoopHypotheses hypotheses_;
+  std::set<KeyframeId> doubles_;  // keyframes whose place has one
+  LoopHypotheses hypotheses_ = no_loops();
   const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5, {}}};
 };
 
@@ -194,10 +200,29 @@ TEST_F(Hypotheses, OneLoopIsEnoughWhereTheMapPredictsIt) {
   EXPECT_FALSE(fits_map(map_, within(0.11)));
   EXPECT_FALSE(fits_map(map_, loop(1, 1).loop)) << "the pose between components is unknown";
   EXPECT_THAT(add({{within(0.3), {}}}).accepted, IsEmpty());
-  hypotheses_ = {};
+  hypotheses_ = no_loops();
   const LoopDecisions alone = add({{within(0.05), {}}});
   ASSERT_THAT(alone.accepted, SizeIs(1));
   EXPECT_EQ(alone.accepted[0].loop.reason, LoopReason::kFitsMap);
+}
+
+TEST_F(Hypotheses, PlacesThatHaveDoublesDoNotJoinVisits) {
+  doubles_ = {first(2), first(3), second(4)};  // of either visit
+  for (const uint32_t i : {2U, 3U, 4U}) add({loop(i, i)});
+  for (const uint32_t i : {5U, 6U}) {
+    const LoopDecisions waits = add({loop(i, i)});
+    EXPECT_THAT(waits.accepted, IsEmpty()) << i;
+    EXPECT_THAT(reasons(waits.others), ElementsAre(LoopReason::kAmbiguous));
+  }
+  EXPECT_THAT(add({loop(7, 7)}).accepted, SizeIs(6)) << "three show places without doubles";
+}
+
+TEST_F(Hypotheses, WithinAVisitPlacesMayHaveDoubles) {
+  doubles_ = {first(0), first(kPerVisit - 1)};
+  LoopClosure closure = loop(0, 0).loop;
+  closure.a = first(0), closure.b = first(kPerVisit - 1);
+  closure.T_a_b = place(0).inverse() * place(kPerVisit - 1);
+  EXPECT_THAT(add({{closure, {}}}).accepted, SizeIs(1)) << "the map tells them apart";
 }
 
 TEST_F(Hypotheses, LoopsOfWithdrawnKeyframesAreForgotten) {

@@ -57,6 +57,23 @@ TEST(LocationCheck, APlaceThatLooksDifferentInMostFramesIsRefuted) {
   EXPECT_TRUE(check.is_refuted());
 }
 
+TEST(LocationCheck, AConfirmedPlaceIsRefutedWhereTooManyFramesLookDifferent) {
+  LocationCheck check;
+  for (int i = 0; i < 2; ++i) check.add({{}, {200, 0}}, true);
+  ASSERT_TRUE(check.is_confirmed());
+  for (int i = 0; i < 9; ++i) check.add_look(0.5);
+  for (int i = 0; i < 3; ++i) check.add_look(1e-6);
+  EXPECT_FALSE(check.is_refuted()) << "a quarter: something was moved";
+  check.add_look(1e-6);
+  EXPECT_TRUE(check.is_refuted());
+}
+
+TEST(LocationCheck, AFewDifferentFramesSayNothing) {
+  LocationCheck check;
+  for (int i = 0; i < 3; ++i) check.add_look(1e-6);
+  EXPECT_FALSE(check.is_refuted());
+}
+
 TEST(LocationCheck, WithoutDepthTenConfidentFramesConfirmAPlace) {
   EXPECT_FALSE(after(9, {}).is_confirmed());
   EXPECT_TRUE(after(10, {}).is_confirmed());

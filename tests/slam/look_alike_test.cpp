@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/time.hpp"
+#include "kinloop/geometry/trajectory.hpp"
+#include "kinloop/loop/place_recognition.hpp"
+#include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "simulator/camera_path.hpp"
 #include "simulator/simulated_source.hpp"
@@ -116,6 +119,60 @@ TEST(LookAlike, ALostCameraIsNotFoundInItsRoomIfDepthIsScaled) {
   const Visits visits = both_visits(Second::kScaledDepth);
   EXPECT_EQ(found_by_mapping(visits).trusted, 0);
   EXPECT_EQ(found_by_localization(visits).trusted, 0);
+}
+
+/// The same doors every 4 m. After 16 s the camera turns round before a blank wall.
+SimulatedSource corridor(int frames) {
+  SimulationOptions options;
+  options.frames = frames;
+  options.corridor = true;
+  options.fps = 10;
+  options.width = 320;
+  options.height = 240;
+  return {"corridor", kLookAlikeRoom, options, 2};
+}
+
+TEST(LookAlike, WhereTheSameDoorsRepeatTheCameraIsNotFoundAtTheWrongOne) {
+  SimulatedSource source = corridor(250);
+  Slam slam(source.camera());
+  while (auto frame = source.next()) slam.process(*frame);
+  const Trajectory& truth = source.info().ground_truth;
+  slam.finish();
+  int trusted = 0;
+  for (const TrackedFrame& entry : slam.log()) {
+    if (entry.is_lost() || entry.doubtful || slam.map().keyframe(entry.reference).component != 0) continue;
+    const auto true_pose = pose_at(truth, entry.stamp_ns, kNsPerSecond);
+    ASSERT_TRUE(true_pose);
+    const SE3 T_world_truth = truth.front().T_world_camera.inverse() * *true_pose;
+    EXPECT_LT((world_pose(entry, slam.map()).translation - T_world_truth.translation).norm(), 0.5)
+        << to_seconds(entry.stamp_ns - truth.front().stamp_ns) << " s";
+    ++trusted;
+  }
+  EXPECT_GT(trusted, 100) << "the way there is tracked";
+}
+
+/// Whether the places of all keyframes of a map have doubles, by keyframe.
+std::vector<bool> doubles(const Slam& slam, const RgbdCamera& camera) {
+  const Map& map = slam.map();
+  PlaceRecognition places({camera.color}, {}, load_default_vocabulary());
+  for (const Keyframe& keyframe : map.keyframes()) places.add(keyframe);
+  std::vector<bool> found;
+  for (const Keyframe& keyframe : map.keyframes()) found.push_back(places.has_double(keyframe.id, map));
+  return found;
+}
+
+TEST(LookAlike, PlacesAlongACorridorHaveDoublesButNotThoseOfARoom) {
+  SimulatedSource source = corridor(80);
+  Slam in_corridor(source.camera());
+  while (auto frame = source.next()) in_corridor.process(*frame);
+  const auto of_corridor = doubles(in_corridor, source.camera());
+  EXPECT_GT(2 * std::count(of_corridor.begin(), of_corridor.end(), true), std::ssize(of_corridor));
+
+  const Visits room = visit(1, kFirst);
+  Slam in_room(room.camera);
+  for (const Frame& frame : room.frames) in_room.process(frame);
+  const auto of_room = doubles(in_room, room.camera);
+  EXPECT_EQ(std::count(of_room.begin(), of_room.end(), true), 0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Verifies loop hypotheses geometrically and adds those to the map in which several keyframes agree.
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kinloop/back_end/jobs/job_context.hpp"
@@ -19,12 +20,16 @@ class LoopVerificationJob {
   };
   using Solution = std::vector<std::vector<LoopVerificationResult>>;  ///< by keyframe
 
-  explicit LoopVerificationJob(const BackEndOptions& options)
+  LoopVerificationJob(const BackEndOptions& options, HasDouble has_double)
       : options_{options.tracking, options.local_map, options.loop},
-        lag_frames_(options.executor.loop_verification_lag_frames) {}
+        lag_frames_(options.executor.loop_verification_lag_frames),
+        hypotheses_(std::move(has_double)) {}
 
   /// Adds hypotheses to the next job.
   void add(LoopVerificationProblem hypotheses);
+
+  /// Says that the camera was falsely located in the component of this keyframe.
+  void suspect(KeyframeId place) { hypotheses_.suspect(place); }
 
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
