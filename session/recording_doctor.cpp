@@ -1,8 +1,9 @@
 #include "session/recording_doctor.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <utility>
 
+#include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
 
 namespace kinloop {
@@ -82,9 +83,7 @@ void add_depth(const cv::Mat& depth_m, RecordingSigns& signs) {
   if (count == 0) return;
   signs.depth_share = static_cast<double>(depths_m.size()) / static_cast<double>(count);
   if (depths_m.empty()) return;
-  const auto middle = depths_m.begin() + static_cast<long>(depths_m.size() / 2);
-  std::nth_element(depths_m.begin(), middle, depths_m.end());
-  signs.depth_m = *middle;
+  signs.depth_m = median(std::move(depths_m));
 }
 
 /// How long the signs of a hint must have lasted for it to begin, or been away for it to end.

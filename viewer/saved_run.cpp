@@ -83,7 +83,7 @@ void show_paths(Scene& scene, const SavedRun& run) {
 
 /// Estimated and true positions, in turn, of the keyframes that have a true one; without keyframes, of some
 /// frames.
-std::vector<Eigen::Vector3f> truth_errors(const SavedRun& run, const AteResult& ate) {
+std::vector<Eigen::Vector3f> truth_errors(const SavedRun& run, const SE3& T_world_truth) {
   constexpr size_t kMostFrames = 500;
   const Trajectory& estimates = run.keyframes.empty() ? run.path : run.keyframes;
   const size_t every = run.keyframes.empty() ? (estimates.size() + kMostFrames - 1) / kMostFrames : 1;
@@ -91,7 +91,7 @@ std::vector<Eigen::Vector3f> truth_errors(const SavedRun& run, const AteResult& 
   for (size_t i = 0; i < estimates.size(); i += std::max<size_t>(1, every)) {
     const auto T_truth = pose_at(run.truth, estimates[i].stamp_ns, 2 * kMaxAssociationNs);
     if (!T_truth) continue;
-    const Eigen::Vector3d true_m = ate.T_truth_estimate.inverse() * T_truth->translation;
+    const Eigen::Vector3d true_m = T_world_truth * T_truth->translation;
     ends.emplace_back(estimates[i].T_world_camera.translation.cast<float>());
     ends.emplace_back(true_m.cast<float>());
   }
@@ -106,7 +106,7 @@ std::optional<AteResult> show_truth(Scene& scene, const SavedRun& run) {
   const SE3 T_world_truth = ate->T_truth_estimate.inverse();
   scene.put(PartKind::kTruth, 0, encode_points(truth));
   scene.put(PartKind::kTruthPose, 0, encode_poses({&T_world_truth, 1}));
-  scene.put(PartKind::kTruthErrors, 0, encode_points(truth_errors(run, *ate)));
+  scene.put(PartKind::kTruthErrors, 0, encode_points(truth_errors(run, T_world_truth)));
   return ate;
 }
 

@@ -28,7 +28,6 @@ const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_wo
 RoomComparison compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor) {
   const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
   const SE3 T_worlds = a.T_world_camera * loop.T_a_b * b.T_world_camera.inverse();  // of a from that of b
-  constexpr double kMinPValue = 1e-3;
   RoomComparison comparison;
   for (const Keyframe& keyframe : map.keyframes()) {
     if (keyframe.component != b.component) continue;
@@ -39,23 +38,15 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
     const SE3 T_other_camera = other->T_world_camera.inverse() * T_world_camera;
     comparison.depths += compare_depths(*other->features, *keyframe.features, T_other_camera, sensor,
                                         kSigma_m + kDriftPerMetre * away_m);
-    const double p_value =
-        appearance_p_value(*other->features, *keyframe.features, T_other_camera, sensor.camera);
-    ++comparison.views;
-    if (p_value < kMinPValue) ++comparison.different_views;
+    comparison.looks.add(
+        appearance_p_value(*other->features, *keyframe.features, T_other_camera, sensor.camera));
   }
   return comparison;
 }
 
 bool refutes_same_room(const RoomComparison& comparison) {
   constexpr double kMaxViolations = 0.02;  // of all keypoints, see docs/place.md; edges of depth cause some
-  // In the rooms 100 to 104 at most 4 % of the views of one room look different, 11 % where chairs were
-  // pushed, and at least 41 % of those of another floor with the same desks.
-  constexpr double kMaxDifferentViews = 0.25;
-  constexpr int kMinViews = 4;
-  const bool looks_different =
-      comparison.views >= kMinViews && comparison.different_views > kMaxDifferentViews * comparison.views;
-  return looks_different || violates_free_space(comparison.depths, kMaxViolations);
+  return comparison.looks.refute_same_place() || violates_free_space(comparison.depths, kMaxViolations);
 }
 
 }  // namespace kinloop

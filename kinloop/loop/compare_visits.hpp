@@ -10,8 +10,7 @@ namespace kinloop {
 /// What the keyframes of one part say of the other.
 struct RoomComparison {
   DepthConsistency depths;
-  int views = 0;            ///< pairs of keyframes that were compared
-  int different_views = 0;  ///< of these, those with a region that looks different, see appearance_p_value
+  Looks looks;  ///< of the pairs of keyframes that were compared
 };
 
 /// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view

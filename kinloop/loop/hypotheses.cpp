@@ -115,6 +115,10 @@ bool is_usable(const Map& map, const LoopClosure& loop) {
   return !map.keyframe(loop.a).withdrawn && !map.keyframe(loop.b).withdrawn;
 }
 
+bool joins_components(const Map& map, const LoopClosure& loop) {
+  return map.keyframe(loop.a).component != map.keyframe(loop.b).component;
+}
+
 LoopClosure as(LoopClosure loop, LoopStage stage, LoopReason reason) {
   loop.stage = stage;
   loop.reason = reason;
@@ -156,8 +160,8 @@ LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>
   const auto& [map, sensor, required, required_of_suspect] = situation;
   const LoopClosure& loop = waiting_[index].loop;
   if (refutes_same_place(combine(scales))) return LoopReason::kScale;
-  const bool joins = map.keyframe(loop.a).component != map.keyframe(loop.b).component;
-  if (joins && refutes_same_room(compare_components(map, loop, sensor))) return LoopReason::kDoesNotFit;
+  if (joins_components(map, loop) && refutes_same_room(compare_components(map, loop, sensor)))
+    return LoopReason::kDoesNotFit;
   return LoopReason::kNone;
 }
 
@@ -172,7 +176,7 @@ bool LoopHypotheses::joins_by_doubles(size_t index, const std::vector<size_t>& g
                                       const Situation& situation) {
   const Map& map = situation.map;
   const LoopClosure& loop = waiting_[index].loop;
-  if (map.keyframe(loop.a).component == map.keyframe(loop.b).component) return false;
+  if (!joins_components(map, loop)) return false;
   std::set<KeyframeId> distinct;
   for (const size_t member : group) {
     const LoopClosure& other = waiting_[member].loop;
@@ -190,8 +194,8 @@ bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situatio
     const uint32_t component = map.keyframe(place).component;
     return component == a || component == b;
   });
-  return a != b && suspected &&
-         compare_components(map, loop, situation.sensor).views < situation.required_views_of_suspect;
+  return joins_components(map, loop) && suspected &&
+         compare_components(map, loop, situation.sensor).looks.views < situation.required_views_of_suspect;
 }
 
 /// Decides on the waiting loops from index `first` on.

@@ -60,12 +60,6 @@ void LocationCheck::add(const LocationEvidence& evidence, bool confident) {
   if (by_depth || confident_frames_ >= kMinConfidentFrames) confirmed_ = true;
 }
 
-void LocationCheck::add_look(double appearance_p_value) {
-  constexpr double kMinPValue = 1e-3;
-  ++looks_;
-  if (appearance_p_value < kMinPValue) ++different_looks_;
-}
-
 bool LocationCheck::is_refuted() const {
   // Of true poses in redkitchen, at most 1 % in any frame; in a room's double, a quarter of the frames 6 %.
   constexpr double kMaxViolations = 0.02;
@@ -79,12 +73,7 @@ bool LocationCheck::looks_different() const {
   const auto different = std::count_if(latest_.begin(), latest_.end(), [](const LocationEvidence& evidence) {
     return evidence.appearance_p_value < kMinPValue;
   });
-  // In rooms 101, 103 and 104, none where nothing was moved, at most 10 % where chairs were, and at least
-  // 33 % of the frames on another floor.
-  constexpr int kMinLooks = 4;
-  constexpr double kMaxDifferent = 0.25;
-  return 2 * static_cast<size_t>(different) > latest_.size() ||
-         (looks_ >= kMinLooks && different_looks_ > kMaxDifferent * looks_);
+  return 2 * static_cast<size_t>(different) > latest_.size() || looks_.refute_same_place();
 }
 
 DepthConsistency LocationCheck::depths() const {

@@ -228,4 +228,19 @@ double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b
   return std::min(one_way_p_value(a, b, T_a_b, camera), one_way_p_value(b, a, T_a_b.inverse(), camera));
 }
 
+void Looks::add(double appearance_p_value) {
+  constexpr double kMinPValue = 1e-3;
+  ++views;
+  if (appearance_p_value < kMinPValue) ++different_views;
+}
+
+bool Looks::refute_same_place() const {
+  // Of pairs of keyframes in the rooms 100 to 104, at most 4 % look different where the room is the same, 11
+  // % where chairs were pushed, and at least 41 % on another floor with the same desks. Of frames that were
+  // located in the rooms 101, 103 and 104, none, at most 10 %, and at least 33 %.
+  constexpr double kMaxDifferent = 0.25;
+  constexpr int kMinViews = 4;
+  return views >= kMinViews && different_views > kMaxDifferent * views;
+}
+
 }  // namespace kinloop

@@ -35,4 +35,14 @@ bool violates_free_space(const DepthConsistency& depths, double max_violation_ra
 double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b,
                           const PinholeCamera& camera);
 
+/// Counts views whose p-value was found.
+struct Looks {
+  int views = 0, different_views = 0;
+
+  void add(double appearance_p_value);
+
+  /// Returns whether too many views look different for the same place, if there are enough to tell.
+  [[nodiscard]] bool refute_same_place() const;
+};
+
 }  // namespace kinloop

@@ -40,8 +40,8 @@ TEST_F(TwoVisits, OfOneRoomAgree) {
   const RoomComparison same = compare();
   EXPECT_EQ(same.depths.free_space_violations, 0);
   EXPECT_GT(same.depths.consistent, 5000);
-  EXPECT_EQ(same.views, 6);
-  EXPECT_EQ(same.different_views, 0);
+  EXPECT_EQ(same.looks.views, 6);
+  EXPECT_EQ(same.looks.different_views, 0);
   EXPECT_FALSE(refutes_same_room(same));
 }
 
@@ -49,13 +49,13 @@ TEST_F(TwoVisits, OfAnotherFloorWithOtherPicturesLookDifferent) {
   visit(2), visit(2, 2);
   const RoomComparison floors = compare();
   EXPECT_EQ(floors.depths.free_space_violations, 0);
-  EXPECT_EQ(floors.different_views, 2);
+  EXPECT_EQ(floors.looks.different_views, 2);
   EXPECT_TRUE(refutes_same_room(floors));
 }
 
 TEST_F(TwoVisits, WhereOnePictureWasReplacedAreOfOneRoom) {
   visit(2), visit(2, 1);
-  EXPECT_EQ(compare().different_views, 1);
+  EXPECT_EQ(compare().looks.different_views, 1);
   EXPECT_FALSE(refutes_same_room(compare()));
 }
 
@@ -75,7 +75,7 @@ TEST_F(TwoVisits, ViewsThatDoNotOverlapSayNothing) {
   const SE3 T_far = test::camera_at(3, {30, 0, 0});
   const RoomComparison none = compare_components(map_, {KeyframeId{0}, KeyframeId{6}, T_far}, sensor_);
   EXPECT_EQ(none.depths.consistent + none.depths.free_space_violations, 0);
-  EXPECT_EQ(none.views, 0);
+  EXPECT_EQ(none.looks.views, 0);
   EXPECT_FALSE(refutes_same_room(none));
 }
 

@@ -62,6 +62,7 @@ class TrackerOutcome : public testing::Test {
   }
 
   static SE3 pose(double i) { return test::camera_at(0.05 * i, {0.03 * i, 0, 0}); }
+  static SE3 turned(double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); }
   static SE3 elsewhere() { return test::camera_at(3.14159, {0, 0, 0}); }
 
   /// Tracks the next frame and updates the tracker with it.
@@ -75,6 +76,23 @@ class TrackerOutcome : public testing::Test {
     const TrackedFrame tracked = tracker_.track(frame, {built_.map, sensor_, relocalize_});
     tracker_.update(tracked, built_.map);
     return tracked;
+  }
+
+  /// Turns from the mapped part of the room, from `angle_rad` on, until the pose is in doubt.
+  TrackedFrame turn_into_doubt(double& angle_rad) {
+    TrackedFrame latest = show(turned(angle_rad));
+    while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+    return latest;
+  }
+
+  /// The frame as if it were recognized, on many landmarks, `x_m` from the first keyframe.
+  static std::optional<TrackedFrame> found_away(const Frame& frame, double x_m) {
+    TrackedFrame found = unlocated(frame);
+    found.outcome = TrackingOutcome::kRelocalized;
+    found.reference = KeyframeId{0};
+    found.T_reference_camera.translation = {x_m, 0, 0};
+    found.evidence.inliers = found.evidence.with_depth = 500;
+    return found;
   }
 
   [[nodiscard]] double error_m(const TrackedFrame& tracked, const SE3& truth) const {
@@ -170,10 +188,8 @@ TEST_F(TrackerOutcome, WhereHardlyAnyLandmarkInViewIsFoundThePoseIsInDoubt) {
 /// back.
 TEST_F(TrackerOutcome, AfterAPoseOfAFewLandmarksAFewMoreAreInDoubtToo) {
   build_map();
-  const auto turned = [](double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); };
   double angle_rad = 0.05;
-  TrackedFrame latest = show(turned(angle_rad));
-  while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+  TrackedFrame latest = turn_into_doubt(angle_rad);
   ASSERT_FALSE(latest.is_lost());
   EXPECT_LT(latest.evidence.inliers, 15);
   bool few_in_doubt = false;
@@ -191,10 +207,8 @@ TEST_F(TrackerOutcome, ACameraThatStaysInDoubtBesideTheMapStartsANewMap) {
   build_map();
   show(pose(1.5));
   relocalize_ = [](const Frame&) { return std::nullopt; };
-  const auto turned = [](double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); };
   double angle_rad = 0.05;
-  TrackedFrame latest = show(turned(angle_rad));
-  while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+  TrackedFrame latest = turn_into_doubt(angle_rad);
   const int64_t doubtful_since_ns = latest.stamp_ns;
   while (latest.doubtful && id_ < 400) latest = show(turned(angle_rad));
   EXPECT_EQ(latest.outcome, TrackingOutcome::kNewMap);
@@ -204,14 +218,7 @@ TEST_F(TrackerOutcome, ACameraThatStaysInDoubtBesideTheMapStartsANewMap) {
 TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
   build_map();
   show(pose(1.5));
-  relocalize_ = [this](const Frame& frame) {
-    TrackedFrame found = unlocated(frame);
-    found.outcome = TrackingOutcome::kRelocalized;
-    found.reference = KeyframeId{0};
-    found.T_reference_camera.translation = {2, 0, 0};
-    found.evidence.inliers = found.evidence.with_depth = 500;
-    return std::optional(found);
-  };
+  relocalize_ = [](const Frame& frame) { return found_away(frame, 2); };
   EXPECT_TRUE(show(elsewhere()).is_lost());
   id_ += 60;  // two seconds later
   EXPECT_EQ(show(elsewhere()).outcome, TrackingOutcome::kRelocalized);
@@ -220,18 +227,9 @@ TEST_F(TrackerOutcome, ACameraIsNotRelocalizedWhereItCannotHaveGot) {
 TEST_F(TrackerOutcome, InDoubtACameraIsNotRecognizedWhereItCannotHaveGotSinceItsLastPoseBeyondDoubt) {
   build_map();
   show(pose(1.5));
-  relocalize_ = [](const Frame& frame) {
-    TrackedFrame found = unlocated(frame);
-    found.outcome = TrackingOutcome::kRelocalized;
-    found.reference = KeyframeId{0};
-    found.T_reference_camera.translation = {5, 0, 0};
-    found.evidence.inliers = found.evidence.with_depth = 500;
-    return std::optional(found);
-  };
-  const auto turned = [](double angle_rad) { return test::camera_at(angle_rad, {0, 0, 0}); };
+  relocalize_ = [](const Frame& frame) { return found_away(frame, 5); };
   double angle_rad = 0.05;
-  TrackedFrame latest = show(turned(angle_rad));
-  while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+  TrackedFrame latest = turn_into_doubt(angle_rad);
   const int64_t doubtful_since_ns = latest.stamp_ns;
   while (latest.doubtful && id_ < 400) latest = show(turned(angle_rad));
   EXPECT_EQ(latest.outcome, TrackingOutcome::kRelocalized);
@@ -273,12 +271,7 @@ TEST_F(TrackerOutcome, AfterLongDoubtThePlaceIsRecognizedAnew) {
   build_map();
   relocalize_ = [this](const Frame& frame) -> std::optional<TrackedFrame> {
     if (frame.id.value == 0) return places_.relocalize(frame, built_.map);
-    TrackedFrame found = unlocated(frame);
-    found.outcome = TrackingOutcome::kRelocalized;
-    found.reference = KeyframeId{0};
-    found.T_reference_camera.translation = {2, 0, 0};
-    found.evidence.inliers = found.evidence.with_depth = 500;
-    return found;
+    return found_away(frame, 2);
   };
   const auto few = [this] {
     return with_fewer_features(test::observe(world_, pose(1.5), {}, 100 + id_), 59);
