@@ -72,6 +72,7 @@ class BackEnd {
   void solve_now(Slot<Kind>& slot, const JobContext& context);
   template <class Kind>
   void apply(Slot<Kind>& slot, typename Kind::Solution solution);
+  void solve_remaining(const JobContext& context);
   void take(AppliedSolution applied);
   void complete(const std::vector<FinishedJob>& jobs);
   [[nodiscard]] bool global_correction_in_flight() const;

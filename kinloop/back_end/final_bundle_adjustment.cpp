@@ -1,6 +1,7 @@
 #include "kinloop/back_end/final_bundle_adjustment.hpp"
 
 #include "kinloop/back_end/refine_frames.hpp"
+#include "kinloop/back_end/withdraw_moved.hpp"
 #include "kinloop/mapping/complete_tracks.hpp"
 
 namespace kinloop {
@@ -18,6 +19,7 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Sen
   FinalBundleAdjustment result{initial_estimate,
                                std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
+  withdraw_moved(map);
   const SelfCalibrationOptions& calibration = options.self_calibration;
   constexpr int kPassesWithoutSensor = 2;  // before and after completing tracks
   const int passes = calibration.enabled ? calibration.passes : kPassesWithoutSensor;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kinloop/loop/relative_scale.hpp"
-#include "kinloop/loop/view_difference.hpp"
+#include "kinloop/map/view_difference.hpp"
 
 namespace kinloop {
 namespace {
@@ -30,7 +30,7 @@ LocationEvidence compare_with_views(const Map& map, uint32_t component, Keyframe
   for (const Keyframe& keyframe : map.keyframes()) {
     if (!(keyframe.id < end)) break;
     if (keyframe.component != component || keyframe.withdrawn) continue;
-    const auto away = view_difference(keyframe.T_world_camera.inverse() * T_world_camera);
+    const auto away = view_difference(keyframe.T_world_camera, T_world_camera);
     if (away) views.emplace_back(*away, keyframe.id);
   }
   const size_t count = std::min(kViews, views.size());

@@ -6,8 +6,8 @@
 #include "kinloop/loop/drift.hpp"
 #include "kinloop/loop/recognize_place.hpp"
 #include "kinloop/loop/relative_scale.hpp"
-#include "kinloop/loop/view_difference.hpp"
 #include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/view_difference.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 
 namespace kinloop {
@@ -164,8 +164,8 @@ bool PlaceRecognition::find_double(KeyframeId id, const Map& map) const {
   std::vector<KeyframeId> verified;
   for (const auto& [other, score] : index_.query(bow_of(*keyframe.features), kLookedAt)) {
     const Keyframe& view = map.keyframe(other);
-    const SE3 T_view_keyframe = view.T_world_camera.inverse() * keyframe.T_world_camera;
-    if (view.withdrawn || view.component != keyframe.component || view_difference(T_view_keyframe)) continue;
+    if (view.withdrawn || view.component != keyframe.component) continue;
+    if (view_difference(view.T_world_camera, keyframe.T_world_camera)) continue;
     if (std::binary_search(group.begin(), group.end(), other) || !is_apart(map, other, verified)) continue;
     if (looks_like(keyframe, view, map)) return true;
     verified.push_back(other);

@@ -21,12 +21,14 @@ int predict_level(int observed_level, double observed_distance_m, double distanc
 
 /// Landmarks of `reference` and its covisible keyframes, each once, closest keyframes first.
 std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
-                                          const LocalMapOptions& options) {
+                                          const LocalMapOptions& options,
+                                          std::span<const KeyframeId> others) {
   std::vector<KeyframeId> keyframes{reference};
   for (const auto& [neighbour, shared] : map.covisible_keyframes(reference, kMinCovisibleLandmarks)) {
     if (keyframes.size() > static_cast<size_t>(options.max_keyframes)) break;
     keyframes.push_back(neighbour);
   }
+  keyframes.insert(keyframes.end(), others.begin(), others.end());
   std::vector<LandmarkId> ids;
   std::vector<bool> taken;
   for (const KeyframeId id : keyframes) {
@@ -72,12 +74,13 @@ void reserve(LocalMap& local_map) {
 
 }  // namespace
 
-LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options) {
+LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options,
+                        std::span<const KeyframeId> others) {
   LocalMap local_map;
   local_map.reference = reference;
   local_map.features = map.keyframe(reference).features;
   local_map.surfaces = map.keyframe(reference).surfaces;
-  local_map.ids = collect_landmarks(map, reference, options);
+  local_map.ids = collect_landmarks(map, reference, options, others);
   reserve(local_map);
   for (uint32_t i = 0; i < local_map.size(); ++i) local_map.index_of.emplace(local_map.ids[i], i);
   const SE3 T_reference_world = map.keyframe(reference).T_world_camera.inverse();

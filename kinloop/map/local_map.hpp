@@ -60,8 +60,10 @@ struct LocalMap {
   [[nodiscard]] size_t size() const { return ids.size(); }
 };
 
-/// Copies the landmarks of `reference` and of the keyframes that share the most landmarks with it.
-LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options);
+/// Copies the landmarks of `reference`, of the keyframes that share the most landmarks with it, and of
+/// `others`.
+LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOptions& options,
+                        std::span<const KeyframeId> others = {});
 
 /// Returns how many of the matched landmarks are of known depth.
 int count_with_depth(std::span<const LandmarkMatch> matches, const LocalMap& local_map);

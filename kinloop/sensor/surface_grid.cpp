@@ -84,6 +84,18 @@ void for_each_common_point(const SurfaceGrid& points, const SurfaceGrid& view, c
   }
 }
 
+/// The state of a point at inverse depth `seen` before a surface, given the standard deviations of both, 1/m.
+PointState state_before(double seen_per_m, double seen_sigma_per_m, double surface_per_m,
+                        double surface_sigma_per_m) {
+  constexpr double kSigmas = 4, kPositionSigma_m = 0.01;
+  const double of_position = kPositionSigma_m * seen_per_m * seen_per_m;
+  const double tolerance = kSigmas * std::hypot(seen_sigma_per_m, surface_sigma_per_m, of_position);
+  const double before = seen_per_m - surface_per_m;
+  return std::abs(before) <= tolerance ? PointState::kConsistent
+         : before > 0                  ? PointState::kContradicted
+                                       : PointState::kOccluded;
+}
+
 SurfaceAgreement count(const std::vector<PointState>& states) {
   const auto number = [&](PointState state) {
     return static_cast<int>(std::count(states.begin(), states.end(), state));
@@ -143,9 +155,18 @@ bool has_depth(const SurfaceGrid& surfaces) {
   return std::count_if(inverse.begin(), inverse.end(), [](float value) { return value > 0; }) >= kMinPoints;
 }
 
+PointState state_in_view(const Eigen::Vector3d& p_view, const SurfaceGrid& view) {
+  if (!(p_view.z() > 0)) return PointState::kUnknown;
+  const Eigen::Vector2f pixel = view.camera->grid.project(p_view).cast<float>();
+  const auto surface = static_cast<double>(surface_at(view, pixel.x(), pixel.y()));
+  if (!(surface > 0)) return PointState::kUnknown;
+  const DepthNoise& noise = view.camera->noise;
+  const double seen = 1 / p_view.z();
+  return state_before(seen, noise.inverse_sigma_per_m(seen), surface, noise.inverse_sigma_per_m(surface));
+}
+
 std::vector<PointState> states_in_view(const SurfaceGrid& points, const SurfaceGrid& view,
                                        const SE3& T_view_points) {
-  constexpr double kSigmas = 4, kPositionSigma_m = 0.01;
   const DepthNoise& noise = view.camera->noise;
   std::vector<PointState> states(view.camera->rays.size(), PointState::kUnknown);
   for_each_common_point(points, view, T_view_points, [&](const CommonPoint& point) {
@@ -155,12 +176,7 @@ std::vector<PointState> states_in_view(const SurfaceGrid& points, const SurfaceG
     const double depth_ratio = source / seen;
     // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
     const double of_source = noise.inverse_sigma_per_m(source) / (depth_ratio * depth_ratio);
-    const double of_surface = noise.inverse_sigma_per_m(surface);
-    const double tolerance = kSigmas * std::hypot(of_source, of_surface, kPositionSigma_m * seen * seen);
-    const double before = seen - surface;
-    states[point.index] = std::abs(before) <= tolerance ? PointState::kConsistent
-                          : before > 0                  ? PointState::kContradicted
-                                                        : PointState::kOccluded;
+    states[point.index] = state_before(seen, of_source, surface, noise.inverse_sigma_per_m(surface));
   });
   return states;
 }

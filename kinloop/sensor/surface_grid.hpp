@@ -51,6 +51,10 @@ enum class PointState : uint8_t {
   kOccluded,      ///< behind it
 };
 
+/// Returns the state of a point in `view`, given in the axes of its camera, m. Within the noise of depth and
+/// 1 cm (1 sigma) for the position.
+PointState state_in_view(const Eigen::Vector3d& p_view, const SurfaceGrid& view);
+
 /// Returns the state of each grid point of `points` in `view`, within the noise of depth and 1 cm (1 sigma)
 /// for the relative position.
 std::vector<PointState> states_in_view(const SurfaceGrid& points, const SurfaceGrid& view,

@@ -20,13 +20,12 @@ constexpr int kSecondVisit = 2;
 /// Two visits of one place, connected only by `shared` landmarks, as directly after a loop closure.
 class CompleteTracks : public ::testing::Test {
  protected:
-  CompleteTracks() {
+  explicit CompleteTracks(size_t shared = 40) {
     for (int i = 0; i < kFirstVisit; ++i) visit(first_, pose_on_arc(i), 10 + static_cast<uint64_t>(i));
     test::SyntheticMap second;
     second.map = std::move(first_.map);
-    constexpr size_t kShared = 40;
     for (const auto& [point, landmark] : first_.landmark_of_point) {
-      if (second.landmark_of_point.size() < kShared) second.landmark_of_point[point] = landmark;
+      if (second.landmark_of_point.size() < shared) second.landmark_of_point[point] = landmark;
     }
     for (int i = 0; i < kSecondVisit; ++i)
       visit(second, pose_on_arc(i) * camera_at(0.02, {0.02, 0, 0}), 20 + static_cast<uint64_t>(i));
@@ -83,6 +82,33 @@ TEST_F(CompleteTracks, MergesTracksOfARevisitedPlace) {
   EXPECT_LT(doubles(), doubles_before / 50);
   EXPECT_LT(map_.landmark_count(), landmarks_before);
   EXPECT_EQ(wrong_share(), 0);
+}
+
+/// The second visit has not been recognized.
+class CompleteTracksOfUnlinkedVisits : public CompleteTracks {
+ protected:
+  CompleteTracksOfUnlinkedVisits() : CompleteTracks(0) {}
+};
+
+TEST_F(CompleteTracksOfUnlinkedVisits, AreMergedWhereTheirViewsAreSimilar) {
+  const size_t doubles_before = doubles();
+  ASSERT_GT(doubles_before, 100U);
+  ASSERT_TRUE(map_.covisible_keyframes(KeyframeId{kFirstVisit}, 1).size() < kSecondVisit);
+  complete_tracks(map_, world_.camera, {}, {});
+  map_.check_invariants();
+  EXPECT_LT(doubles(), doubles_before / 10);
+  EXPECT_EQ(wrong_share(), 0);
+}
+
+TEST_F(CompleteTracksOfUnlinkedVisits, AreNotMergedWhereTheirPosesAreNotComparable) {
+  MapData parts = map_.data();
+  for (size_t i = kFirstVisit; i < parts.keyframes.size(); ++i) parts.keyframes[i].component = 1;
+  parts.component_count = 2;
+  Map apart;
+  apart.append(parts);
+  const size_t landmarks = apart.landmark_count();
+  complete_tracks(apart, world_.camera, {}, {});
+  EXPECT_EQ(apart.landmark_count(), landmarks);
 }
 
 TEST_F(CompleteTracks, ResolvesIdsOfMergedLandmarks) {

@@ -7,6 +7,7 @@
 
 #include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/loop/hypotheses.hpp"
+#include "kinloop/loop/join_check.hpp"
 
 namespace kinloop {
 
@@ -42,11 +43,22 @@ class LoopVerificationJob {
   /// Decides on the loops that wait for other keyframes, when none will come.
   AppliedSolution finish(Map& map);
 
+  /// Parts the visits that turn out to be different rooms, as their views become more.
+  AppliedSolution part_different_rooms(Map& map) { return part_different_rooms(map, kMinViews); }
+
+  /// The same when no further keyframes come.
+  AppliedSolution part_different_rooms_at_end(Map& map) { return part_different_rooms(map, 0); }
+
  private:
+  static constexpr int kMinViews = 20;
+
+  AppliedSolution part_different_rooms(Map& map, int min_views);
+
   PlaceOptions options_;
   int lag_frames_;
   std::vector<LoopVerificationProblem> waiting_;
   LoopHypotheses hypotheses_;
+  JoinCheck joins_;
   std::optional<Sensor> sensor_;  // of the latest problem
 };
 

@@ -9,10 +9,12 @@ namespace kinloop {
 
 /// Returns the distance and the angle between two views, each relative to the largest at which they overlap;
 /// nullopt if they do not.
-inline std::optional<double> view_difference(const SE3& T_view_camera) {
+inline std::optional<double> view_difference(const SE3& T_world_a, const SE3& T_world_b) {
   constexpr double kMaxDistance_m = 1.0, kMaxAngle_rad = 0.7;
-  const double distance_m = T_view_camera.translation.norm(), angle_rad = T_view_camera.angle_rad();
-  if (distance_m > kMaxDistance_m || angle_rad > kMaxAngle_rad) return std::nullopt;
+  const double distance_m = (T_world_a.translation - T_world_b.translation).norm();
+  if (distance_m > kMaxDistance_m) return std::nullopt;
+  const double angle_rad = (T_world_a.inverse() * T_world_b).angle_rad();
+  if (angle_rad > kMaxAngle_rad) return std::nullopt;
   return distance_m / kMaxDistance_m + angle_rad / kMaxAngle_rad;
 }
 
