@@ -46,6 +46,11 @@ class BackEnd {
   /// Says that the camera was falsely located in the component of this keyframe: loops join it later.
   void suspect(KeyframeId place) { verification_.kind.suspect(place); }
 
+  /// Says when the camera began a component after its last pose beyond doubt, see LoopHypotheses.
+  void add_beginning(KeyframeId first, const TrustedPose& before) {
+    verification_.kind.add_beginning(first, before);
+  }
+
   /// Submits the jobs due at frame `now`.
   void submit(FrameId now, const JobContext& context);
 

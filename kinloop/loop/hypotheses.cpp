@@ -160,9 +160,26 @@ LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>
   const auto& [map, sensor, required, required_of_suspect] = situation;
   const LoopClosure& loop = waiting_[index].loop;
   if (refutes_same_place(combine(scales))) return LoopReason::kScale;
-  if (joins_components(map, loop) && refutes_same_room(compare_components(map, loop, sensor)))
+  if (!joins_components(map, loop)) return LoopReason::kNone;
+  if (is_out_of_reach(loop, map) || refutes_same_room(compare_components(map, loop, sensor)))
     return LoopReason::kDoesNotFit;
   return LoopReason::kNone;
+}
+
+/// Whether a loop would place the beginning of one component where the camera cannot have got from the other.
+bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) const {
+  const auto is_beyond = [&](const LoopClosure& l) {
+    const Keyframe &a = map.keyframe(l.a), &b = map.keyframe(l.b);
+    const SE3 T_worlds = a.T_world_camera * l.T_a_b * b.T_world_camera.inverse();  // of a from that of b
+    return std::any_of(beginnings_.begin(), beginnings_.end(), [&](const Beginning& beginning) {
+      const Keyframe& first = map.keyframe(beginning.first);
+      if (first.component != b.component || map.keyframe(beginning.before.reference).component != a.component)
+        return false;
+      const Eigen::Vector3d p_world_a = T_worlds * first.T_world_camera.translation;
+      return !can_reach(beginning.before, map, p_world_a, first.stamp_ns);
+    });
+  };
+  return is_beyond(loop) || is_beyond(inverse(loop));
 }
 
 bool LoopHypotheses::has_double(const Map& map, KeyframeId keyframe) {

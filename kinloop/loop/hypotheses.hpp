@@ -10,6 +10,7 @@
 
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/map/map.hpp"
+#include "kinloop/tracking/reach.hpp"
 
 namespace kinloop {
 
@@ -44,7 +45,8 @@ class LoopHypotheses {
   /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
   /// whose visits differ in scale, or that join components whose surfaces contradict each other, are
-  /// rejected, and with a group those that contradict it. Loops between places that have doubles do not join
+  /// rejected, as those that join components although the camera cannot have got from one to the other in
+  /// time, and with a group those that contradict it. Loops between places that have doubles do not join
   /// components: along a corridor, all keyframes agree on the wrong one of the same doors.
   LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
 
@@ -52,11 +54,19 @@ class LoopHypotheses {
   /// only after many of its views have been compared.
   void suspect(KeyframeId place) { suspected_.push_back(place); }
 
+  /// Says when the camera began a component after its last pose beyond doubt in another one: loops do not
+  /// join them where it cannot have got meanwhile.
+  void add_beginning(KeyframeId first, const TrustedPose& before) { beginnings_.push_back({first, before}); }
+
   /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others
   /// stay provisional, and wait for another run.
   LoopDecisions finish(const Map& map, const Sensor& sensor);
 
  private:
+  struct Beginning {
+    KeyframeId first;
+    TrustedPose before;
+  };
   struct Situation {
     const Map& map;
     const Sensor& sensor;
@@ -64,6 +74,7 @@ class LoopHypotheses {
   };
   [[nodiscard]] LoopReason refute(size_t index, const std::vector<RelativeScale>& scales,
                                   const Situation& situation) const;
+  [[nodiscard]] bool is_out_of_reach(const LoopClosure& loop, const Map& map) const;
   [[nodiscard]] bool has_double(const Map& map, KeyframeId keyframe);
   [[nodiscard]] bool joins_suspect_early(size_t index, const Situation& situation) const;
   [[nodiscard]] bool joins_by_doubles(size_t index, const std::vector<size_t>& group,
@@ -72,6 +83,7 @@ class LoopHypotheses {
 
   HasDouble has_double_;
   std::vector<KeyframeId> suspected_;
+  std::vector<Beginning> beginnings_;
   std::map<KeyframeId, bool> doubles_;  // of the keyframes that were asked for: it takes time
   std::vector<LoopVerificationResult> waiting_;
 };

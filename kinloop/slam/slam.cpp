@@ -167,6 +167,7 @@ void Slam::insert_keyframe(TrackedFrame& tracked) {
   if (tracked.outcome == TrackingOutcome::kNewMap) {
     tracked.reference = tracked.keyframe;
     visit_ = map_.keyframe(tracked.keyframe).visit;
+    if (const auto& before = tracker_.trusted()) back_end_.add_beginning(tracked.keyframe, *before);
   } else if (visit_) {
     map_.set_visit(tracked.keyframe, *visit_);
   }

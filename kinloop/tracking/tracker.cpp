@@ -214,20 +214,10 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   return may_be_elsewhere(frame) ? start_map_or_lose(frame) : tracked;
 }
 
-/// Whether the camera can have got there since its last pose beyond doubt: by walking on, and changing the
-/// velocity no faster than a person does for long. That pose may have drifted since this part of the map was
-/// made.
+/// Whether the camera can have got there since its last pose beyond doubt.
 bool Tracker::is_reachable(const TrackedFrame& found, const Map& map) const {
-  constexpr double kMaxSpeed_m_s = 3, kMaxAcceleration_m_s2 = 1, kMaxDrift_m = 0.5;
-  if (!trusted_) return true;
-  const Keyframe& reference = map.keyframe(trusted_->reference);
-  if (reference.component != map.keyframe(found.reference).component) return true;
-  const double since_s = to_seconds(found.stamp_ns - trusted_->stamp_ns);
-  const SE3 T_world_trusted = reference.T_world_camera * trusted_->T_reference_camera;
-  const Eigen::Vector3d p_expected = T_world_trusted * (since_s * trusted_->velocity.linear_m_s);
-  const double off_m = (world_pose(found, map).translation - p_expected).norm();
-  return off_m <
-         kMaxDrift_m + std::min(kMaxSpeed_m_s * since_s, kMaxAcceleration_m_s2 / 2 * since_s * since_s);
+  if (!trusted_ || !is_tracked_in(map.keyframe(trusted_->reference).component, found, map)) return true;
+  return can_reach(*trusted_, map, world_pose(found, map).translation, found.stamp_ns);
 }
 
 /// Whether the camera was relocalized and this frame does not confirm it.
@@ -461,13 +451,14 @@ void Tracker::reset() {
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
-  const auto express = [&](TrackedFrame& frame) {
-    if (!frame.reference.valid() || frame.reference == reference) return;
-    frame.T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
-                               map.keyframe(frame.reference).T_world_camera * frame.T_reference_camera;
-    frame.reference = reference;
+  const auto express = [&](auto& pose) {
+    if (!pose.reference.valid() || pose.reference == reference) return;
+    pose.T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
+                              map.keyframe(pose.reference).T_world_camera * pose.T_reference_camera;
+    pose.reference = reference;
   };
   if (previous_) express(*previous_);
+  if (trusted_ && map.keyframe(trusted_->reference).withdrawn) express(*trusted_);
   for (TrackedFrame& frame : recent_) express(frame);
 }
 
@@ -498,7 +489,7 @@ void Tracker::remember(const TrackedFrame& latest) {
     lacks_scale_ = latest.is_located() && lacks_scale(latest, lacks_scale_);
     lost_frames_ = 0;
     previous_ = latest;
-    if (!latest.doubtful)
+    if (!latest.doubtful && latest.reference.valid())
       trusted_ = {latest.reference, latest.T_reference_camera, latest.velocity, latest.stamp_ns};
     keep_recent(latest);
   }

@@ -9,6 +9,7 @@
 #include "kinloop/core/timings.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
+#include "kinloop/tracking/reach.hpp"
 
 namespace kinloop {
 
@@ -31,14 +32,6 @@ struct TrackingContext {
   const Map& map;
   const Sensor& sensor;
   const Relocalizer& relocalize;
-};
-
-/// A pose beyond doubt.
-struct TrustedPose {
-  KeyframeId reference;
-  SE3 T_reference_camera;
-  Velocity velocity;
-  int64_t stamp_ns = 0;
 };
 
 /// Keeps the previous frame, the local map and the motion model. Only `update` changes them.
@@ -88,6 +81,9 @@ class Tracker {
 
   /// Returns since when the poses have been in doubt, lost frames left out; nullopt if the latest is not.
   [[nodiscard]] std::optional<int64_t> doubtful_since_ns() const { return doubtful_since_ns_; }
+
+  /// Returns the last pose beyond doubt; nullopt before the first.
+  [[nodiscard]] const std::optional<TrustedPose>& trusted() const { return trusted_; }
 
   /// Returns the reference keyframe of the local map; invalid before the first.
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }

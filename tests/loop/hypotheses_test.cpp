@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "kinloop/core/time.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "tests/support/synthetic_world.hpp"
 
@@ -223,6 +224,22 @@ TEST_F(Hypotheses, WithinAVisitPlacesMayHaveDoubles) {
   closure.a = first(0), closure.b = first(kPerVisit - 1);
   closure.T_a_b = place(0).inverse() * place(kPerVisit - 1);
   EXPECT_THAT(add({{closure, {}}}).accepted, SizeIs(1)) << "the map tells them apart";
+}
+
+TEST_F(Hypotheses, AVisitIsNotJoinedWhereTheCameraCannotHaveGot) {
+  for (const double lost_s : {1.0, 4.0}) {
+    LoopHypotheses hypotheses = no_loops();
+    hypotheses.add_beginning(second(0), {first(kPerVisit - 1), SE3{}, Velocity{}, to_ns(-lost_s)});
+    for (const uint32_t i : {2U, 3U}) hypotheses.add(map_, {loop(i, i)}, sensor_);
+    const LoopDecisions third = hypotheses.add(map_, {loop(4, 4)}, sensor_);
+    if (lost_s > 2) {
+      EXPECT_THAT(third.accepted, SizeIs(3)) << "it has walked back";
+    } else {
+      EXPECT_THAT(third.accepted, IsEmpty());
+      EXPECT_THAT(reasons(third.others), testing::Each(LoopReason::kDoesNotFit));
+      EXPECT_THAT(third.others, SizeIs(3));
+    }
+  }
 }
 
 TEST_F(Hypotheses, LoopsOfWithdrawnKeyframesAreForgotten) {

@@ -32,6 +32,11 @@ class LoopVerificationJob {
   /// Says that the camera was falsely located in the component of this keyframe.
   void suspect(KeyframeId place) { hypotheses_.suspect(place); }
 
+  /// Says when the camera began a component, see LoopHypotheses.
+  void add_beginning(KeyframeId first, const TrustedPose& before) {
+    hypotheses_.add_beginning(first, before);
+  }
+
   [[nodiscard]] int lag_frames() const { return lag_frames_; }
   [[nodiscard]] bool is_due(const JobContext& context) const;
   [[nodiscard]] Problem make_problem(const JobContext& context);
