@@ -23,29 +23,24 @@ void BackEnd::submit(FrameId now, const JobContext& context) {
 
 AppliedResults BackEnd::apply_due(FrameId now) {
   complete(executor_->collect(now));
-  take(verification_.kind.part_different_rooms(map_));
   if (std::exchange(loops_corrected_, false)) global_ba_.kind.request();
   return std::exchange(results_, {});
 }
 
 AppliedResults BackEnd::apply_remaining(const JobContext& context) {
-  solve_remaining(context);
+  complete(executor_->drain());
+  solve_now(verification_, context);
+  solve_now(correction_, context);
   loops_corrected_ = false;  // no global bundle adjustment needed: the run ends or a map is added next
   return std::exchange(results_, {});
 }
 
 AppliedResults BackEnd::apply_last(const JobContext& context) {
-  solve_remaining(context);
-  take(verification_.kind.finish(map_));
-  solve_remaining(context);
-  take(verification_.kind.part_different_rooms_at_end(map_));
-  return apply_remaining(context);
-}
-
-void BackEnd::solve_remaining(const JobContext& context) {
   complete(executor_->drain());
   solve_now(verification_, context);
   solve_now(correction_, context);
+  take(verification_.kind.finish(map_));
+  return apply_remaining(context);
 }
 
 template <class Kind>

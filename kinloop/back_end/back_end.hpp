@@ -46,7 +46,7 @@ class BackEnd {
   /// Says that the camera was falsely located in the component of this keyframe: loops join it later.
   void suspect(KeyframeId place) { verification_.kind.suspect(place); }
 
-  /// Says when the camera began a component after its last pose beyond doubt, see LoopHypotheses.
+  /// Records the first keyframe of a component and the last trusted pose before it, see LoopHypotheses.
   void add_beginning(KeyframeId first, const TrustedPose& before) {
     verification_.kind.add_beginning(first, before);
   }
@@ -77,7 +77,6 @@ class BackEnd {
   void solve_now(Slot<Kind>& slot, const JobContext& context);
   template <class Kind>
   void apply(Slot<Kind>& slot, typename Kind::Solution solution);
-  void solve_remaining(const JobContext& context);
   void take(AppliedSolution applied);
   void complete(const std::vector<FinishedJob>& jobs);
   [[nodiscard]] bool global_correction_in_flight() const;

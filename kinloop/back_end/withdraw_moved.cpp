@@ -31,6 +31,18 @@ bool observes(KeyframeId keyframe, const Landmark& landmark) {
                      [&](const Observation& seen) { return seen.keyframe == keyframe; });
 }
 
+/// Whether the coarse surfaces can tell that there is nothing at the landmark: its depth was measured, and
+/// its anchor does not see through it itself, as through a cable.
+bool is_decidable(const Landmark& landmark, const Map& map) {
+  const Keyframe& anchor = map.keyframe(landmark.anchor);
+  const bool measured =
+      std::any_of(landmark.observations.begin(), landmark.observations.end(), [&](const Observation& seen) {
+        return map.keyframe(seen.keyframe).features->depths_m[seen.feature] > 0;
+      });
+  return measured && !(anchor.surfaces &&
+                       state_in_view(landmark.p_anchor, *anchor.surfaces) == PointState::kContradicted);
+}
+
 /// Whether the views say that there is nothing at the landmark.
 bool has_moved(const Landmark& landmark, const std::vector<KeyframeId>& views, const Map& map) {
   constexpr int kMinSeenThrough = 2;
@@ -54,7 +66,8 @@ size_t withdraw_moved(Map& map) {
   std::vector<LandmarkId> moved;
   for (const LandmarkId id : map.landmark_ids()) {
     const Landmark& landmark = map.landmark(id);
-    if (has_moved(landmark, views[landmark.anchor.value], map)) moved.push_back(id);
+    if (is_decidable(landmark, map) && has_moved(landmark, views[landmark.anchor.value], map))
+      moved.push_back(id);
   }
   for (const LandmarkId id : moved) map.erase(id);
   return moved.size();

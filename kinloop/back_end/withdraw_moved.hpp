@@ -8,7 +8,8 @@
 namespace kinloop {
 
 /// Erases the landmarks through which at least two keyframes saw, and more than found a surface there. Those
-/// that observe a landmark have no say. Returns how many are erased.
+/// that observe a landmark have no say. Landmarks without measured depth stay, and those on things too thin
+/// for the surfaces. Returns how many are erased.
 size_t withdraw_moved(Map& map);
 
 }  // namespace kinloop

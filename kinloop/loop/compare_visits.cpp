@@ -9,20 +9,12 @@ namespace {
 
 constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
 
-}  // namespace
-
-void RoomComparison::add(const Keyframe& a, const Keyframe& b, const SE3& T_a_b, double away_m,
-                         const Sensor& sensor) {
-  depths += compare_depths(*a.features, *b.features, T_a_b, sensor, kSigma_m + kDriftPerMetre * away_m);
-  looks.add(appearance_p_value(*a.features, *b.features, T_a_b, sensor.camera));
-}
-
-const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
-                             const std::function<bool(const Keyframe&)>& is_of_other) {
+/// The keyframe of a component whose view is nearest to a pose; nullopt if none overlaps.
+const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_world_camera) {
   const Keyframe* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Keyframe& keyframe : map.keyframes()) {
-    if (!is_of_other(keyframe)) continue;
+    if (keyframe.component != component) continue;
     const auto difference = view_difference(keyframe.T_world_camera, T_world_camera);
     if (!difference || *difference >= least) continue;
     least = *difference;
@@ -31,6 +23,8 @@ const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
   return nearest;
 }
 
+}  // namespace
+
 RoomComparison compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor) {
   const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
   const SE3 T_worlds = a.T_world_camera * loop.T_a_b * b.T_world_camera.inverse();  // of a from that of b
@@ -38,11 +32,14 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
   for (const Keyframe& keyframe : map.keyframes()) {
     if (keyframe.component != b.component) continue;
     const SE3 T_world_camera = T_worlds * keyframe.T_world_camera;
-    const Keyframe* other = nearest_view(map, T_world_camera,
-                                         [&](const Keyframe& view) { return view.component == a.component; });
+    const Keyframe* other = nearest_view(map, a.component, T_world_camera);
     if (other == nullptr) continue;
     const double away_m = (keyframe.T_world_camera.translation - b.T_world_camera.translation).norm();
-    comparison.add(*other, keyframe, other->T_world_camera.inverse() * T_world_camera, away_m, sensor);
+    const SE3 T_other_camera = other->T_world_camera.inverse() * T_world_camera;
+    comparison.depths += compare_depths(*other->features, *keyframe.features, T_other_camera, sensor,
+                                        kSigma_m + kDriftPerMetre * away_m);
+    comparison.looks.add(
+        appearance_p_value(*other->features, *keyframe.features, T_other_camera, sensor.camera));
   }
   return comparison;
 }

@@ -2,8 +2,6 @@
 // Whether two parts of a map can be one room. The double of a place is furnished alike, but not at the same
 // distances: where the views beside a loop overlap, one sees through the walls of the other.
 
-#include <functional>
-
 #include "kinloop/loop/view_checks.hpp"
 #include "kinloop/map/map.hpp"
 
@@ -13,14 +11,7 @@ namespace kinloop {
 struct RoomComparison {
   DepthConsistency depths;
   Looks looks;  ///< of the pairs of keyframes that were compared
-
-  /// Adds what two views say of each other, `away_m` from the loop by which their relative pose is known.
-  void add(const Keyframe& a, const Keyframe& b, const SE3& T_a_b, double away_m, const Sensor& sensor);
 };
-
-/// Returns the keyframe with `is_of_other` whose view is nearest to a pose; null if none overlaps.
-const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
-                             const std::function<bool(const Keyframe&)>& is_of_other);
 
 /// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view
 /// is nearest to its own, if the loop is true. Allows for drift with the distance from the loop.

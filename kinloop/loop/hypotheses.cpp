@@ -166,20 +166,24 @@ LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>
   return LoopReason::kNone;
 }
 
-/// Whether a loop would place the beginning of one component where the camera cannot have got from the other.
+/// Whether a loop would place the beginning of one component where the camera cannot have moved from the
+/// other in time.
 bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) const {
-  const auto is_beyond = [&](const LoopClosure& l) {
-    const Keyframe &a = map.keyframe(l.a), &b = map.keyframe(l.b);
+  constexpr double kDriftPerMetre = 0.03;  // as in cycle_bound
+  const auto is_beyond = [&](const LoopClosure& l, const Beginning& beginning) {
+    const auto& [first_id, before] = beginning;
+    const Keyframe &a = map.keyframe(l.a), &b = map.keyframe(l.b), &first = map.keyframe(first_id);
+    if (first.component != b.component || map.keyframe(before.reference).component != a.component)
+      return false;
+    const double travelled_m = travelled_distances(map, l.a)[before.reference.value];
+    if (!std::isfinite(travelled_m)) return false;
     const SE3 T_worlds = a.T_world_camera * l.T_a_b * b.T_world_camera.inverse();  // of a from that of b
-    return std::any_of(beginnings_.begin(), beginnings_.end(), [&](const Beginning& beginning) {
-      const Keyframe& first = map.keyframe(beginning.first);
-      if (first.component != b.component || map.keyframe(beginning.before.reference).component != a.component)
-        return false;
-      const Eigen::Vector3d p_world_a = T_worlds * first.T_world_camera.translation;
-      return !can_reach(beginning.before, map, p_world_a, first.stamp_ns);
-    });
+    return !can_reach(before, map, T_worlds * first.T_world_camera.translation, first.stamp_ns,
+                      kDriftPerMetre * travelled_m);
   };
-  return is_beyond(loop) || is_beyond(inverse(loop));
+  return std::any_of(beginnings_.begin(), beginnings_.end(), [&](const Beginning& beginning) {
+    return is_beyond(loop, beginning) || is_beyond(inverse(loop), beginning);
+  });
 }
 
 bool LoopHypotheses::has_double(const Map& map, KeyframeId keyframe) {

@@ -45,7 +45,7 @@ class LoopHypotheses {
   /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
   /// whose visits differ in scale, or that join components whose surfaces contradict each other, are
-  /// rejected, as those that join components although the camera cannot have got from one to the other in
+  /// rejected, as those that join components although the camera cannot have moved from one to the other in
   /// time, and with a group those that contradict it. Loops between places that have doubles do not join
   /// components: along a corridor, all keyframes agree on the wrong one of the same doors.
   LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
@@ -54,8 +54,8 @@ class LoopHypotheses {
   /// only after many of its views have been compared.
   void suspect(KeyframeId place) { suspected_.push_back(place); }
 
-  /// Says when the camera began a component after its last pose beyond doubt in another one: loops do not
-  /// join them where it cannot have got meanwhile.
+  /// Records the first keyframe of a component and the last trusted pose before it, in another one. Loops do
+  /// not join them if the camera cannot have moved so far in the time between.
   void add_beginning(KeyframeId first, const TrustedPose& before) { beginnings_.push_back({first, before}); }
 
   /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others

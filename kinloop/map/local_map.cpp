@@ -24,11 +24,11 @@ std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
                                           const LocalMapOptions& options,
                                           std::span<const KeyframeId> others) {
   std::vector<KeyframeId> keyframes{reference};
+  keyframes.insert(keyframes.end(), others.begin(), others.end());
   for (const auto& [neighbour, shared] : map.covisible_keyframes(reference, kMinCovisibleLandmarks)) {
-    if (keyframes.size() > static_cast<size_t>(options.max_keyframes)) break;
+    if (keyframes.size() > static_cast<size_t>(options.max_keyframes) + others.size()) break;
     keyframes.push_back(neighbour);
   }
-  keyframes.insert(keyframes.end(), others.begin(), others.end());
   std::vector<LandmarkId> ids;
   std::vector<bool> taken;
   for (const KeyframeId id : keyframes) {

@@ -165,9 +165,11 @@ void Slam::insert_keyframe(TrackedFrame& tracked) {
   const ScopedTimer timer(timings_, "mapping");
   tracked.keyframe = mapper_.insert(map_, tracked, sensor());
   if (tracked.outcome == TrackingOutcome::kNewMap) {
+    const auto& before = tracker_.trusted();
+    if (before && visit_ == map_.keyframe(before->reference).visit)
+      back_end_.add_beginning(tracked.keyframe, *before);
     tracked.reference = tracked.keyframe;
     visit_ = map_.keyframe(tracked.keyframe).visit;
-    if (const auto& before = tracker_.trusted()) back_end_.add_beginning(tracked.keyframe, *before);
   } else if (visit_) {
     map_.set_visit(tracked.keyframe, *visit_);
   }
@@ -207,6 +209,7 @@ void Slam::apply_results(const AppliedResults& results) {
 /// keyframes of their own visit.
 void Slam::follow_own_part(const std::vector<SE3>& T_world_keyframe_before) {
   log_ = with_references_of_own_visit(std::move(log_), map_, T_world_keyframe_before);
+  tracker_.forget_trusted();  // it may be relative to a keyframe of another visit
   const KeyframeId old = tracker_.reference();
   const auto& keyframes = map_.keyframes();
   const auto own = std::find_if(keyframes.rbegin(), keyframes.rend(), [&](const Keyframe& keyframe) {

@@ -214,7 +214,7 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
   return may_be_elsewhere(frame) ? start_map_or_lose(frame) : tracked;
 }
 
-/// Whether the camera can have got there since its last pose beyond doubt.
+/// Whether the camera can have moved there since its last trusted pose.
 bool Tracker::is_reachable(const TrackedFrame& found, const Map& map) const {
   if (!trusted_ || !is_tracked_in(map.keyframe(trusted_->reference).component, found, map)) return true;
   return can_reach(*trusted_, map, world_pose(found, map).translation, found.stamp_ns);

@@ -82,6 +82,9 @@ class Tracker {
   /// Returns since when the poses have been in doubt, lost frames left out; nullopt if the latest is not.
   [[nodiscard]] std::optional<int64_t> doubtful_since_ns() const { return doubtful_since_ns_; }
 
+  /// Forgets the last pose beyond doubt.
+  void forget_trusted() { trusted_.reset(); }
+
   /// Returns the last pose beyond doubt; nullopt before the first.
   [[nodiscard]] const std::optional<TrustedPose>& trusted() const { return trusted_; }
 

@@ -1,5 +1,7 @@
 #include "kinloop/back_end/withdraw_moved.hpp"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "tests/sensor/vga_surfaces.hpp"
@@ -21,8 +23,8 @@ class WithdrawMoved : public testing::Test {
     features_ = features;
   }
 
-  void add_keyframes(int count, bool with_box, const SE3& T_world_camera = {}) {
-    cv::Mat depth_m(480, 640, CV_32FC1, cv::Scalar(3.0F));
+  void add_keyframes(int count, bool with_box, const SE3& T_world_camera = {}, float wall_m = 3) {
+    cv::Mat depth_m(480, 640, CV_32FC1, cv::Scalar(wall_m));
     if (with_box) depth_m(kBox) = 1.0F;
     const auto surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(camera_, depth_m));
     for (int i = 0; i < count; ++i) {
@@ -74,7 +76,25 @@ TEST_F(WithdrawMoved, ThoseThatObserveALandmarkHaveNoSay) {
 }
 
 TEST_F(WithdrawMoved, ViewsOfOtherPlacesHaveNoSay) {
-  add_keyframes(1, true), add_keyframes(3, false, {{1, 0, 0, 0}, {0, 0, -5}});
+  add_keyframes(1, true), add_keyframes(3, false, {{1, 0, 0, 0}, {0, 0, -2.5}}, 5.5F);
+  add_landmark(kOnBox);
+  EXPECT_EQ(withdraw_moved(map_), 0U);
+  add_keyframes(3, false, {{1, 0, 0, 0}, {0, 0, -1.5}}, 4.5F);
+  EXPECT_EQ(withdraw_moved(map_), 1U) << "from 1.5 m behind";
+}
+
+TEST_F(WithdrawMoved, ThinThingsStay) {
+  add_keyframes(4, false);  // not even the grid of the keyframe that measured it shows the cable
+  add_landmark(kOnBox);
+  EXPECT_EQ(withdraw_moved(map_), 0U);
+}
+
+TEST_F(WithdrawMoved, LandmarksWithoutMeasuredDepthStay) {
+  auto features = std::make_shared<Features>(*features_);
+  features->depths_m[kOnBox] = 0;
+  const auto measured = std::exchange(features_, features);
+  add_keyframes(1, true), add_keyframes(3, false);
+  features_ = measured;
   add_landmark(kOnBox);
   EXPECT_EQ(withdraw_moved(map_), 0U);
 }

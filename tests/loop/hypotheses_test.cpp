@@ -226,7 +226,7 @@ TEST_F(Hypotheses, WithinAVisitPlacesMayHaveDoubles) {
   EXPECT_THAT(add({{closure, {}}}).accepted, SizeIs(1)) << "the map tells them apart";
 }
 
-TEST_F(Hypotheses, AVisitIsNotJoinedWhereTheCameraCannotHaveGot) {
+TEST_F(Hypotheses, AVisitIsNotJoinedWhereTheCameraCannotHaveMovedInTime) {
   for (const double lost_s : {1.0, 4.0}) {
     LoopHypotheses hypotheses = no_loops();
     hypotheses.add_beginning(second(0), {first(kPerVisit - 1), SE3{}, Velocity{}, to_ns(-lost_s)});

@@ -93,7 +93,7 @@ class CompleteTracksOfUnlinkedVisits : public CompleteTracks {
 TEST_F(CompleteTracksOfUnlinkedVisits, AreMergedWhereTheirViewsAreSimilar) {
   const size_t doubles_before = doubles();
   ASSERT_GT(doubles_before, 100U);
-  ASSERT_TRUE(map_.covisible_keyframes(KeyframeId{kFirstVisit}, 1).size() < kSecondVisit);
+  ASSERT_LT(map_.covisible_keyframes(KeyframeId{kFirstVisit}, 1).size(), size_t{kSecondVisit});
   complete_tracks(map_, world_.camera, {}, {});
   map_.check_invariants();
   EXPECT_LT(doubles(), doubles_before / 10);

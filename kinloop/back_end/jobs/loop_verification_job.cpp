@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "kinloop/map/keyframe_poses.hpp"
-
 namespace kinloop {
 namespace {
 
@@ -51,21 +49,6 @@ std::optional<AppliedSolution> LoopVerificationJob::apply(Map& map, const Soluti
 AppliedSolution LoopVerificationJob::finish(Map& map) {
   AppliedSolution applied{.map_changed = false};
   if (sensor_) carry_out(hypotheses_.finish(map, *sensor_), map, applied);
-  return applied;
-}
-
-AppliedSolution LoopVerificationJob::part_different_rooms(Map& map, int min_views) {
-  AppliedSolution applied{.map_changed = false};
-  if (!sensor_) return applied;
-  const std::vector<LoopEnds> refuted = joins_.find_refuted(map, *sensor_, min_views);
-  if (refuted.empty()) return applied;
-  const uint32_t components = map.component_count();
-  std::vector<SE3> before = keyframe_poses(map);
-  map.withdraw_loops(refuted, LoopReason::kDoesNotFit);
-  map.advance_epoch();  // work in flight has the visits in one part
-  applied.map_changed = applied.loops_corrected = true;
-  if (map.component_count() > components) applied.T_world_keyframe_before = std::move(before);
-  for (const LoopEnds& loop : refuted) hypotheses_.suspect(loop.a);
   return applied;
 }
 

@@ -7,7 +7,6 @@
 
 #include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/loop/hypotheses.hpp"
-#include "kinloop/loop/join_check.hpp"
 
 namespace kinloop {
 
@@ -32,7 +31,7 @@ class LoopVerificationJob {
   /// Says that the camera was falsely located in the component of this keyframe.
   void suspect(KeyframeId place) { hypotheses_.suspect(place); }
 
-  /// Says when the camera began a component, see LoopHypotheses.
+  /// Records the first keyframe of a component and the last trusted pose before it.
   void add_beginning(KeyframeId first, const TrustedPose& before) {
     hypotheses_.add_beginning(first, before);
   }
@@ -48,22 +47,11 @@ class LoopVerificationJob {
   /// Decides on the loops that wait for other keyframes, when none will come.
   AppliedSolution finish(Map& map);
 
-  /// Parts the visits that turn out to be different rooms, as their views become more.
-  AppliedSolution part_different_rooms(Map& map) { return part_different_rooms(map, kMinViews); }
-
-  /// The same when no further keyframes come.
-  AppliedSolution part_different_rooms_at_end(Map& map) { return part_different_rooms(map, 0); }
-
  private:
-  static constexpr int kMinViews = 20;
-
-  AppliedSolution part_different_rooms(Map& map, int min_views);
-
   PlaceOptions options_;
   int lag_frames_;
   std::vector<LoopVerificationProblem> waiting_;
   LoopHypotheses hypotheses_;
-  JoinCheck joins_;
   std::optional<Sensor> sensor_;  // of the latest problem
 };
 
