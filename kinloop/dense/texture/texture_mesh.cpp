@@ -1,0 +1,40 @@
+#include "kinloop/dense/texture/texture_mesh.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/dense/texture/paint_atlas.hpp"
+
+namespace kinloop {
+
+void require_texture_size(int texture_px) {
+  if (texture_px != 0 && texture_px < kMinTexturePx)
+    throw UsageError(fmt::format("mesh.texture_px is {}; expected 0 (no texture) or at least {}", texture_px,
+                                 kMinTexturePx));
+}
+
+MeshTexture texture_mesh(const ColoredMesh& mesh, const ImageStore& images, std::span<const PosedImage> views,
+                         const DenseCamera& camera, int max_size_px, int threads, const Progress& progress) {
+  require(max_size_px >= kMinTexturePx, "texture_mesh: the texture is too small");
+  require(mesh.points.size() == mesh.colors.size(), "texture_mesh: expected one colour per vertex");
+  const ViewCandidates candidates = find_view_candidates(mesh, images, views, camera, threads, progress);
+  const std::vector<uint32_t> chosen = choose_views(mesh, candidates);
+  AtlasLayout layout = lay_out_atlas(mesh, chosen, views, camera.color, max_size_px);
+  const VertexViews vertex_views = level_seams(mesh, chosen, candidates);
+
+  MeshTexture texture;
+  texture.image =
+      paint_atlas({mesh, layout, chosen, candidates, vertex_views}, images, views, camera, threads, progress);
+  const Eigen::Array2f size(static_cast<float>(layout.size.width), static_cast<float>(layout.size.height));
+  for (const Eigen::Vector2f& px : layout.corners_px) texture.uvs.emplace_back((px.array() + 0.5F) / size);
+  texture.vertex_of_uv = std::move(layout.vertex_of_corner);
+  texture.triangles = std::move(layout.triangles);
+  texture.unseen_triangles = static_cast<size_t>(std::count(chosen.begin(), chosen.end(), kNoView));
+  texture.charts = layout.charts.size() - texture.unseen_triangles;
+  texture.scale = layout.scale;
+  return texture;
+}
+
+}  // namespace kinloop
