@@ -1,10 +1,12 @@
 #include "kinloop/dense/texture/atlas_layout.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <unordered_map>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "kinloop/core/disjoint_sets.hpp"
@@ -35,7 +37,6 @@ uint32_t number_charts(const ColoredMesh& mesh, std::span<const uint32_t> view_o
 struct Chart {
   std::vector<uint32_t> corners;  // indices into the corners of the layout
   Eigen::Array2f low, high;       // of its corners, pixels of the image
-  bool from_view = false;
 };
 
 /// The corners of each chart, with their pixels in the image.
@@ -54,11 +55,8 @@ class ChartShapes {
 
  private:
   void add_triangle(uint32_t number, uint32_t view) {
-    // Shape of a triangle that no image shows, pixels.
-    constexpr float kSidePx = 1;
-    const Eigen::Vector2f kUnseen[] = {{0, 0}, {kSidePx, 0}, {0, kSidePx}};
     const uint32_t chart = layout_.chart_of_triangle[number];
-    charts_[chart].from_view = view != kNoView;
+    const auto unseen = view == kNoView ? flat(number) : std::array<Eigen::Vector2f, 3>{};
     for (size_t k = 0; k < 3; ++k) {
       const uint32_t vertex = mesh_.triangles[number][k];
       const auto [found, is_new] = corner_of_.try_emplace((uint64_t{chart} << 32) | vertex,
@@ -67,8 +65,20 @@ class ChartShapes {
       if (!is_new) continue;
       charts_[chart].corners.push_back(found->second);
       layout_.vertex_of_corner.push_back(vertex);
-      layout_.corners_px.push_back(view == kNoView ? kUnseen[k] : pixel(vertex, view));
+      layout_.corners_px.push_back(view == kNoView ? unseen[k] : pixel(vertex, view));
     }
+  }
+
+  /// The shape of a triangle in its plane, in pixels of a camera 2 m away.
+  [[nodiscard]] std::array<Eigen::Vector2f, 3> flat(uint32_t number) const {
+    constexpr double kDistanceM = 2;
+    const auto& [a, b, c] = mesh_.triangles[number];
+    const Eigen::Vector3f ab = mesh_.points[b] - mesh_.points[a], ac = mesh_.points[c] - mesh_.points[a];
+    const float base = ab.norm(), height = base > 0 ? ab.cross(ac).norm() / base : 0,
+                along = base > 0 ? ab.dot(ac) / base : 0;
+    const auto px_per_m = static_cast<float>(camera_.fx / kDistanceM);
+    return {Eigen::Vector2f(0, 0), Eigen::Vector2f(px_per_m * base, 0),
+            Eigen::Vector2f(px_per_m * along, px_per_m * height)};
   }
 
   [[nodiscard]] Eigen::Vector2f pixel(uint32_t vertex, uint32_t view) const {
@@ -97,7 +107,7 @@ std::vector<cv::Size> sizes_at(const std::vector<Chart>& charts, double scale) {
   std::vector<cv::Size> sizes;
   sizes.reserve(charts.size());
   for (const Chart& chart : charts) {
-    const Eigen::Array2d extent = (chart.high - chart.low).cast<double>() * (chart.from_view ? scale : 1.0);
+    const Eigen::Array2d extent = scale * (chart.high - chart.low).cast<double>();
     const auto side = [](double px) { return static_cast<int>(std::ceil(px)) + 1 + 2 * kAtlasMarginPx; };
     sizes.emplace_back(side(extent.x()), side(extent.y()));
   }
@@ -141,9 +151,9 @@ AtlasLayout lay_out_atlas(const ColoredMesh& mesh, std::span<const uint32_t> vie
   AtlasLayout layout;
   const ChartShapes shapes(mesh, view_of_triangle, views, camera, layout);
   const auto packed = pack_at_best_scale(shapes.charts(), max_size_px, layout);
+  const auto scale = static_cast<float>(layout.scale);
   for (size_t i = 0; i < shapes.charts().size(); ++i) {
     const Chart& chart = shapes.charts()[i];
-    const auto scale = static_cast<float>(chart.from_view ? layout.scale : 1.0);
     const Eigen::Array2f origin(static_cast<float>(packed.corners[i].x + kAtlasMarginPx),
                                 static_cast<float>(packed.corners[i].y + kAtlasMarginPx));
     for (const uint32_t corner : chart.corners) {

@@ -30,8 +30,8 @@ struct AtlasLayout {
 
 /// Charts are connected triangles of one view. A chart has the shape that its triangles have in the
 /// undistorted image of the view, scaled down where the atlas would exceed `max_size_px`; so its triangles do
-/// not overlap. A triangle without a view has a chart of its own, of a few pixels. Throws UsageError if the
-/// atlas is too small even so.
+/// not overlap. A triangle without a view has a chart of its own, in its plane, as large as from 2 m. Throws
+/// UsageError if the atlas is too small even so.
 AtlasLayout lay_out_atlas(const ColoredMesh& mesh, std::span<const uint32_t> view_of_triangle,
                           std::span<const PosedImage> views, const PinholeCamera& camera, int max_size_px);
 

@@ -20,7 +20,7 @@ struct MeshTexture {
   std::vector<Triangle> triangles;     ///< indices into `uvs`, parallel to the triangles of the mesh
 
   size_t charts = 0;            ///< connected pieces, each from one view
-  size_t unseen_triangles = 0;  ///< coloured by their vertices, since no view shows them as a whole
+  size_t unseen_triangles = 0;  ///< no view shows them as a whole: coloured point by point
   double scale = 1;             ///< pixels of the atlas per pixel of the images
 };
 

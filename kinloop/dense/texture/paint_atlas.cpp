@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/dense/cloud/point_colors.hpp"
 
 namespace kinloop {
 namespace {
@@ -175,6 +176,13 @@ struct SourceView {
   Eigen::Vector3f gain_bgr;
 };
 
+/// Pixels that are coloured one by one.
+struct LoosePixels {
+  std::vector<cv::Point> pixels;
+  std::vector<Eigen::Vector3f> points, normals;  // in the world
+  std::vector<Rgb> vertex_colors;
+};
+
 class AtlasPainter {
  public:
   AtlasPainter(const AtlasContent& content, const DenseCamera& camera)
@@ -201,18 +209,31 @@ class AtlasPainter {
     });
   }
 
-  /// Sets the pixels of a triangle from the colours of its vertices.
-  void add_vertex_colors(uint32_t triangle) {
-    const Triangle& corners = content_.mesh.triangles[triangle];
-    Eigen::Matrix3f colors_bgr;
-    for (int k = 0; k < 3; ++k) {
-      const Rgb& rgb = content_.mesh.colors[corners[static_cast<size_t>(k)]];
-      colors_bgr.col(k) = Eigen::Vector3f(rgb[2], rgb[1], rgb[0]);
+  /// The pixels of the triangles that no view sees as a whole.
+  [[nodiscard]] LoosePixels loose_pixels() const {
+    LoosePixels loose;
+    const std::vector<Eigen::Vector3f> normals = vertex_normals(content_.mesh);
+    for (uint32_t i = 0; i < content_.view_of_triangle.size(); ++i) {
+      if (content_.view_of_triangle[i] != kNoView) continue;
+      const Triangle& corners = content_.mesh.triangles[i];
+      const auto mean = [&](const Eigen::Vector3f& shares, const std::vector<Eigen::Vector3f>& of) {
+        return shares.x() * of[corners[0]] + shares.y() * of[corners[1]] + shares.z() * of[corners[2]];
+      };
+      const Barycentric shares(content_.layout, i);
+      for_each_pixel(content_.layout, owners_, i, [&](int col, int row) {
+        const Eigen::Vector3f inside = clamped(shares.at(static_cast<float>(col), static_cast<float>(row)));
+        loose.pixels.emplace_back(col, row);
+        loose.points.push_back(mean(inside, content_.mesh.points));
+        loose.normals.push_back(mean(inside, normals).normalized());
+        loose.vertex_colors.push_back(vertex_color(corners, inside));
+      });
     }
-    const Barycentric shares(content_.layout, triangle);
-    for_each_pixel(content_.layout, owners_, triangle, [&](int col, int row) {
-      add_to(col, row, colors_bgr * clamped(shares.at(static_cast<float>(col), static_cast<float>(row))));
-    });
+    return loose;
+  }
+
+  /// Sets a pixel.
+  void set(const cv::Point& pixel, const Rgb& color) {
+    add_to(pixel.x, pixel.y, Eigen::Vector3f(color[2], color[1], color[0]));
   }
 
   /// The atlas, and which of its pixels were painted, 8UC1.
@@ -227,6 +248,17 @@ class AtlasPainter {
   static Eigen::Vector3f clamped(const Eigen::Vector3f& shares) {
     const Eigen::Vector3f inside = shares.cwiseMax(0);
     return inside / inside.sum();
+  }
+
+  [[nodiscard]] Rgb vertex_color(const Triangle& corners, const Eigen::Vector3f& shares) const {
+    Rgb mean{};
+    for (size_t channel = 0; channel < mean.size(); ++channel) {
+      float sum = 0.5F;  // rounds
+      for (size_t k = 0; k < corners.size(); ++k)
+        sum += shares(static_cast<int>(k)) * static_cast<float>(content_.mesh.colors[corners[k]][channel]);
+      mean[channel] = static_cast<uint8_t>(sum);
+    }
+    return mean;
   }
 
   /// The colour in a view, averaged over the pixel where the atlas is coarser than the image.
@@ -305,8 +337,8 @@ cv::Mat paint_atlas(const AtlasContent& content, const ImageStore& images, std::
   AtlasPainter painter(content, camera);
   const std::vector<Contribution> contributions = contributions_of(content);
   for (size_t begin = 0; begin < contributions.size();) {
-    if (!report(progress, "painting", begin, contributions.size())) break;
     const auto part = of_one_view(contributions, begin);
+    if (!report(progress, "painting", part.front().view, views.size())) break;
     const PosedImage& view = views[part.front().view];
     const SourceView source{images.load(view.image).color, view.T_world_camera.inverse(), view.velocity,
                             view.color_gain.reverse()};
@@ -316,9 +348,10 @@ cv::Mat paint_atlas(const AtlasContent& content, const ImageStore& images, std::
     });
     begin += part.size();
   }
-  for (uint32_t i = 0; i < content.view_of_triangle.size(); ++i) {
-    if (content.view_of_triangle[i] == kNoView) painter.add_vertex_colors(i);
-  }
+  const LoosePixels loose = painter.loose_pixels();
+  const auto colors = observed_colors(loose.points, loose.normals, images, views, camera, threads, progress);
+  for (size_t i = 0; i < colors.size(); ++i)
+    painter.set(loose.pixels[i], colors[i].value_or(loose.vertex_colors[i]));
   auto [image, painted] = painter.result();
   fill_gaps(image, painted);
   return image;
