@@ -11,7 +11,6 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "kinloop/dense/texture/texture_mesh.hpp"
 #include "kinloop/io/mesh_file.hpp"
 #include "session/map_store.hpp"
@@ -69,26 +68,21 @@ void make_mesh(MeshArguments arguments) {
   const Stopwatch watch;
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const MeshOptions& options = open.options.mesh;
-  require_texture_size(options.texture_px);
   if (options.texture_px > 0) require_textured_mesh_name(arguments.output);
   const DenseCamera camera = open.dense_camera();
   const auto views = open.recorder.with_color_gains(open.views(0), camera, arguments.threads);
   require_images(views.size(), arguments.map);
-  const Progress progress = make_progress_bar(arguments.quiet);
-  const auto mesh =
-      reconstruct_mesh(open.recorder.images(), views, camera, options, arguments.threads, progress);
+  const auto [mesh, texture] = reconstruct_textured_mesh(
+      open.recorder.images(), views, camera, options, arguments.threads, make_progress_bar(arguments.quiet));
   const FileFrame frame = file_frame(arguments.frame, open.up(0), views);
-  std::string made = summary(mesh, options.voxel_m);
-  if (options.texture_px > 0) {
-    const MeshTexture texture = texture_mesh(mesh, open.recorder.images(), views, camera, options.texture_px,
-                                             arguments.threads, progress);
-    write_mesh(arguments.output, mesh, texture, frame);
-    made += summary(texture);
+  if (texture) {
+    write_mesh(arguments.output, mesh, *texture, frame);
   } else {
     write_mesh(arguments.output, mesh, frame);
   }
   if (!arguments.quiet)
-    fmt::print(message_stream(arguments.output), "{}, in {:.1f} s\n", made, watch.wall_s());
+    fmt::print(message_stream(arguments.output), "{}{}, in {:.1f} s\n", summary(mesh, options.voxel_m),
+               texture ? summary(*texture) : "", watch.wall_s());
 }
 
 }  // namespace

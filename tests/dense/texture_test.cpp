@@ -283,8 +283,11 @@ TEST(TextureMesh, IsScaledToTheSizeThatIsAskedFor) {
   EXPECT_LT(small.scale, 1);
   // Stripes of 9 cm are some 6 pixels wide then.
   EXPECT_LT(rms_error(mesh, small), 20);
-  EXPECT_NO_THROW(require_texture_size(0));
-  EXPECT_THAT(test::usage_error([] { require_texture_size(kMinTexturePx - 1); }), HasSubstr("at least 64"));
+  MeshOptions options;
+  options.texture_px = kMinTexturePx - 1;
+  EXPECT_THAT(test::usage_error(
+                  [&] { reconstruct_textured_mesh(scene.images, scene.views, scene.camera, options, 1); }),
+              HasSubstr("at least 64"));
 }
 
 TEST(TextureMesh, AMeshWithoutTrianglesOrViewsHasATexture) {

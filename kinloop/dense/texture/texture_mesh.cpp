@@ -5,15 +5,10 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
 #include "kinloop/dense/texture/paint_atlas.hpp"
 
 namespace kinloop {
-
-void require_texture_size(int texture_px) {
-  if (texture_px != 0 && texture_px < kMinTexturePx)
-    throw UsageError(fmt::format("mesh.texture_px is {}; expected 0 (no texture) or at least {}", texture_px,
-                                 kMinTexturePx));
-}
 
 MeshTexture texture_mesh(const ColoredMesh& mesh, const ImageStore& images, std::span<const PosedImage> views,
                          const DenseCamera& camera, int max_size_px, int threads, const Progress& progress) {
@@ -35,6 +30,18 @@ MeshTexture texture_mesh(const ColoredMesh& mesh, const ImageStore& images, std:
   texture.charts = layout.charts.size() - texture.unseen_triangles;
   texture.scale = layout.scale;
   return texture;
+}
+
+TexturedMesh reconstruct_textured_mesh(const ImageStore& images, std::span<const PosedImage> views,
+                                       const DenseCamera& camera, const MeshOptions& options, int threads,
+                                       const Progress& progress) {
+  const int size_px = options.texture_px;
+  if (size_px != 0 && size_px < kMinTexturePx)
+    throw UsageError(
+        fmt::format("mesh.texture_px is {}; expected 0 (no texture) or at least {}", size_px, kMinTexturePx));
+  TexturedMesh made{reconstruct_mesh(images, views, camera, options, threads, progress), {}};
+  if (size_px > 0) made.texture = texture_mesh(made.mesh, images, views, camera, size_px, threads, progress);
+  return made;
 }
 
 }  // namespace kinloop
