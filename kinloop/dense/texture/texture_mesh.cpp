@@ -6,7 +6,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/dense/mesh/reconstruct_mesh.hpp"
-#include "kinloop/dense/texture/paint_atlas.hpp"
+#include "kinloop/dense/texture/atlas/paint_atlas.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "kinloop/dense/texture/atlas_layout.hpp"
+#include "kinloop/dense/texture/atlas/atlas_layout.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "kinloop/core/disjoint_sets.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/dense/texture/pack_rectangles.hpp"
+#include "kinloop/dense/texture/atlas/pack_rectangles.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/dense/texture/atlas_layout.hpp"
+#include "kinloop/dense/texture/atlas/atlas_layout.hpp"
 #include "kinloop/dense/texture/level_seams.hpp"
 
 namespace kinloop {

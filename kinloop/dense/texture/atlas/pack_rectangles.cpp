@@ -1,4 +1,4 @@
-#include "kinloop/dense/texture/pack_rectangles.hpp"
+#include "kinloop/dense/texture/atlas/pack_rectangles.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,107 +1,21 @@
-#include "kinloop/dense/texture/paint_atlas.hpp"
+#include "kinloop/dense/texture/atlas/paint_atlas.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
+#include "kinloop/dense/texture/atlas/atlas_pixels.hpp"
+#include "kinloop/dense/texture/atlas/fill_gaps.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr int32_t kNobody = -1;
-
 /// Fixed point of colours while contributions are added; offsets may exceed the range of a byte.
 constexpr float kStepsPerLevel = 64;
-
-/// Shares of the corners of a triangle at a place of its plane in the atlas; outside the triangle some are
-/// negative.
-class Barycentric {
- public:
-  Barycentric(const AtlasLayout& layout, uint32_t triangle) {
-    const auto& [a, b, c] = layout.triangles[triangle];
-    a_ = layout.corners_px[a];
-    const Eigen::Vector2f ab = layout.corners_px[b] - a_, ac = layout.corners_px[c] - a_;
-    const float area = ab.x() * ac.y() - ab.y() * ac.x();
-    if (area == 0) return;  // everything is the first corner
-    to_b_ = Eigen::Vector2f(ac.y(), -ac.x()) / area;
-    to_c_ = Eigen::Vector2f(-ab.y(), ab.x()) / area;
-  }
-
-  [[nodiscard]] Eigen::Vector3f at(float col, float row) const {
-    const Eigen::Vector2f from_a = Eigen::Vector2f(col, row) - a_;
-    const float b = to_b_.dot(from_a), c = to_c_.dot(from_a);
-    return {1 - b - c, b, c};
-  }
-
- private:
-  Eigen::Vector2f a_, to_b_ = Eigen::Vector2f::Zero(), to_c_ = Eigen::Vector2f::Zero();
-};
-
-/// The pixels around a triangle.
-cv::Rect box_of(const AtlasLayout& layout, uint32_t triangle, int margin_px) {
-  Eigen::Array2f low = layout.corners_px[layout.triangles[triangle][0]], high = low;
-  for (const uint32_t corner : layout.triangles[triangle]) {
-    low = low.min(layout.corners_px[corner].array());
-    high = high.max(layout.corners_px[corner].array());
-  }
-  const Eigen::Array2i first = low.floor().cast<int>() - margin_px,
-                       last = high.ceil().cast<int>() + margin_px;
-  return cv::Rect(cv::Point(first.x(), first.y()), cv::Point(last.x() + 1, last.y() + 1)) &
-         cv::Rect({}, layout.size);
-}
-
-/// Calls `use(col, row)` for the pixels around the triangle that belong to it.
-template <class Use>
-void for_each_pixel(const AtlasLayout& layout, const cv::Mat& owners, uint32_t triangle, const Use& use) {
-  const cv::Rect box = box_of(layout, triangle, kAtlasMarginPx);
-  for (int row = box.y; row < box.br().y; ++row) {
-    const auto* owner = owners.ptr<int32_t>(row);
-    for (int col = box.x; col < box.br().x; ++col) {
-      if (owner[col] == static_cast<int32_t>(triangle)) use(col, row);
-    }
-  }
-}
-
-/// Gives pixels without an owner one of a neighbour.
-void grow(cv::Mat& owners) {
-  const cv::Mat before = owners.clone();
-  for (int row = 0; row < owners.rows; ++row) {
-    for (int col = 0; col < owners.cols; ++col) {
-      auto& owner = owners.at<int32_t>(row, col);
-      if (owner != kNobody) continue;
-      for (const auto& [down, right] :
-           {std::pair(0, -1), std::pair(0, 1), std::pair(-1, 0), std::pair(1, 0)}) {
-        const int r = row + down, c = col + right;
-        if (r < 0 || c < 0 || r >= owners.rows || c >= owners.cols) continue;
-        owner = std::max(owner, before.at<int32_t>(r, c));
-      }
-    }
-  }
-}
-
-/// The triangle of each pixel, 32SC1: the one that covers it, else one within the margin.
-cv::Mat owners_of(const AtlasLayout& layout) {
-  constexpr float kRounding = -1e-4F;
-  cv::Mat owners(layout.size, CV_32SC1, cv::Scalar(kNobody));
-  for (uint32_t i = 0; i < layout.triangles.size(); ++i) {
-    const Barycentric shares(layout, i);
-    const cv::Rect box = box_of(layout, i, 0);
-    for (int row = box.y; row < box.br().y; ++row) {
-      for (int col = box.x; col < box.br().x; ++col) {
-        auto& owner = owners.at<int32_t>(row, col);
-        const bool inside =
-            shares.at(static_cast<float>(col), static_cast<float>(row)).minCoeff() >= kRounding;
-        if (owner == kNobody && inside) owner = static_cast<int32_t>(i);
-      }
-    }
-  }
-  for (int i = 0; i < kAtlasMarginPx; ++i) grow(owners);
-  return owners;
-}
 
 /// What a triangle takes from a view: for each corner a share and, times this share, an offset.
 struct Contribution {
@@ -188,7 +102,7 @@ class AtlasPainter {
   AtlasPainter(const AtlasContent& content, const DenseCamera& camera)
       : content_(content),
         camera_(camera),
-        owners_(owners_of(content.layout)),
+        owners_(pixel_owners(content.layout)),
         sums_(content.layout.size, CV_16SC3, cv::Scalar::all(0)) {}
 
   /// Adds what a triangle takes from a view.
@@ -250,6 +164,12 @@ class AtlasPainter {
     return inside / inside.sum();
   }
 
+  /// The plane of a sliver is known only near it.
+  static Eigen::Vector3f not_far_outside(const Eigen::Vector3f& shares) {
+    constexpr float kFarthest = 2;
+    return shares.cwiseAbs().maxCoeff() > kFarthest ? clamped(shares) : shares;
+  }
+
   [[nodiscard]] Rgb vertex_color(const Triangle& corners, const Eigen::Vector3f& shares) const {
     Rgb mean{};
     for (size_t channel = 0; channel < mean.size(); ++channel) {
@@ -274,10 +194,9 @@ class AtlasPainter {
         const auto offset = [&](int n) {
           return (static_cast<float>(n) + 0.5F) / static_cast<float>(steps) - 0.5F;
         };
-        const Eigen::Vector3d p =
-            corners_camera *
-            shares.at(static_cast<float>(col) + offset(k), static_cast<float>(row) + offset(i))
-                .cast<double>();
+        const Eigen::Vector3f at = not_far_outside(
+            shares.at(static_cast<float>(col) + offset(k), static_cast<float>(row) + offset(i)));
+        const Eigen::Vector3d p = corners_camera * at.cast<double>();
         sum += sample(view.color, camera_.raw_color_pixel(p, view.velocity).cast<float>());
       }
     }
@@ -295,33 +214,6 @@ class AtlasPainter {
   cv::Mat owners_;
   cv::Mat sums_;  // times kStepsPerLevel
 };
-
-/// Fills what is not painted with the mean colour around it, from the nearest on (push and pull, Gortler et
-/// al. 1996), so that smaller versions of the atlas show no seams.
-void fill_gaps(cv::Mat& image, const cv::Mat& painted) {
-  const double share = cv::mean(painted)[0];
-  if (share == 0 || std::min(image.cols, image.rows) <= 1) return;
-  image.setTo(cv::Scalar::all(0), painted == 0);
-  const cv::Size half((image.cols + 1) / 2, (image.rows + 1) / 2);
-  cv::Mat small, weight;
-  cv::resize(image, small, half, 0, 0, cv::INTER_AREA);
-  cv::resize(painted, weight, half, 0, 0, cv::INTER_AREA);
-  for (int row = 0; row < half.height; ++row) {
-    for (int col = 0; col < half.width; ++col) {
-      const int w = weight.at<uint8_t>(row, col);
-      if (w == 0) continue;
-      for (int k = 0; k < 3; ++k) {
-        auto& value = small.at<cv::Vec3b>(row, col)[k];
-        value = cv::saturate_cast<uint8_t>(value * 255 / w);
-      }
-    }
-  }
-  const cv::Mat known = weight > 0;
-  fill_gaps(small, known);
-  cv::Mat filling;
-  cv::resize(small, filling, image.size(), 0, 0, cv::INTER_LINEAR);
-  filling.copyTo(image, painted == 0);
-}
 
 /// The contributions of the view that begin at `begin`.
 std::span<const Contribution> of_one_view(const std::vector<Contribution>& all, size_t begin) {
