@@ -96,7 +96,8 @@ def read_mesh(path):
 def rays_of(camera, pose):
     """Rays (H, W, 6) of a pinhole camera with an OpenGL pose (4, 4)."""
     x, y = np.meshgrid(np.arange(camera["w"]), np.arange(camera["h"]))
-    directions = np.stack([(x - camera["cx"]) / camera["fl_x"], -(y - camera["cy"]) / camera["fl_y"], -np.ones_like(x)], -1)
+    right, up = (x - camera["cx"]) / camera["fl_x"], -(y - camera["cy"]) / camera["fl_y"]
+    directions = np.stack([right, up, -np.ones_like(right)], axis=-1)
     rays = np.empty((*x.shape, 6))
     rays[..., :3], rays[..., 3:] = pose[:3, 3], directions @ pose[:3, :3].T
     return rays
