@@ -1,4 +1,6 @@
-// kinloop mesh: writes the surfaces of a map as a coloured mesh.
+// kinloop mesh: writes the surfaces of a map as a coloured or textured mesh.
+
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -9,7 +11,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+#include "kinloop/dense/texture/texture_mesh.hpp"
 #include "kinloop/io/mesh_file.hpp"
 #include "session/map_store.hpp"
 
@@ -19,7 +21,7 @@ namespace {
 struct MeshArguments {
   std::filesystem::path map, poses;
   std::filesystem::path output = "mesh.ply";
-  std::string voxel_m, triangles;
+  std::string voxel_m, triangles, texture_px;
   bool manifold = false;
   std::string frame = "z-up";
   std::vector<std::string> assignments;
@@ -27,42 +29,81 @@ struct MeshArguments {
   bool quiet = false;
 };
 
+void require_mesh_name(const std::filesystem::path& output) {
+  if (is_mesh_file(output)) return;
+  throw UsageError(fmt::format("-o {}: the name must end in {}", output.string(), kMeshExtensions));
+}
+
+void require_textured_mesh_name(const std::filesystem::path& output) {
+  if (is_textured_mesh_file(output)) return;
+  throw UsageError(fmt::format("-o {}: {} has no texture; write {}, or leave out --texture", output.string(),
+                               output.extension().string(), kTexturedMeshExtensions));
+}
+
+std::string summary(const ColoredMesh& mesh, double voxel_m) {
+  return fmt::format("{} vertices, {} triangles, voxels of {} m", mesh.points.size(), mesh.triangles.size(),
+                     voxel_m);
+}
+
+std::string summary(const MeshTexture& texture) {
+  const double seen = static_cast<double>(texture.triangles.size() - texture.unseen_triangles);
+  const double share = seen / static_cast<double>(std::max<size_t>(texture.triangles.size(), 1));
+  std::string text =
+      fmt::format(", a texture of {} x {} pixels in {} pieces, which shows {:.1f} % of the triangles",
+                  texture.image.cols, texture.image.rows, texture.charts, 100 * share);
+  if (texture.scale < 1) text += fmt::format(" at {:.2f} of the resolution of the images", texture.scale);
+  return text;
+}
+
 void make_mesh(MeshArguments arguments) {
-  if (!is_mesh_file(arguments.output)) {
-    throw UsageError(
-        fmt::format("-o {}: the name must end in {}", arguments.output.string(), kMeshExtensions));
-  }
+  require_mesh_name(arguments.output);
   if (!arguments.voxel_m.empty()) arguments.assignments.push_back("mesh.voxel_m=" + arguments.voxel_m);
   if (!arguments.triangles.empty()) arguments.assignments.push_back("mesh.triangles=" + arguments.triangles);
   if (arguments.manifold) arguments.assignments.emplace_back("mesh.manifold=true");
+  if (!arguments.texture_px.empty()) {
+    require_textured_mesh_name(arguments.output);
+    arguments.assignments.push_back("mesh.texture_px=" + arguments.texture_px);
+  }
   require_writable_file(arguments.output);
   const Stopwatch watch;
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  const MeshOptions& options = open.options.mesh;
+  if (options.texture_px > 0) require_textured_mesh_name(arguments.output);
   const DenseCamera camera = open.dense_camera();
   const auto views = open.recorder.with_color_gains(open.views(0), camera, arguments.threads);
   require_images(views.size(), arguments.map);
-  const auto mesh = reconstruct_mesh(open.recorder.images(), views, camera, open.options.mesh,
-                                     arguments.threads, make_progress_bar(arguments.quiet));
-  write_mesh(arguments.output, mesh, file_frame(arguments.frame, open.up(0), views));
-  if (!arguments.quiet) {
-    fmt::print(message_stream(arguments.output), "{} vertices, {} triangles, voxels of {} m, in {:.1f} s\n",
-               mesh.points.size(), mesh.triangles.size(), open.options.mesh.voxel_m, watch.wall_s());
+  const auto [mesh, texture] = reconstruct_textured_mesh(
+      open.recorder.images(), views, camera, options, arguments.threads, make_progress_bar(arguments.quiet));
+  const FileFrame frame = file_frame(arguments.frame, open.up(0), views);
+  if (texture) {
+    write_mesh(arguments.output, mesh, *texture, frame);
+  } else {
+    write_mesh(arguments.output, mesh, frame);
   }
+  if (!arguments.quiet)
+    fmt::print(message_stream(arguments.output), "{}{}, in {:.1f} s\n", summary(mesh, options.voxel_m),
+               texture ? summary(*texture) : "", watch.wall_s());
 }
 
 }  // namespace
 
 void add_mesh_command(CLI::App& app) {
   auto arguments = std::make_shared<MeshArguments>();
-  CLI::App* command = app.add_subcommand("mesh", "Create a coloured mesh of a map");
+  CLI::App* command = app.add_subcommand("mesh", "Create a coloured or textured mesh of a map");
   add_map_argument(*command, arguments->map);
-  command->add_option("-o,--output", arguments->output, "FILE.ply, FILE.obj, FILE.glb (glTF) or FILE.stl")
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "FILE.ply, FILE.obj, FILE.glb (glTF), FILE.usda or FILE.stl")
       ->capture_default_str();
   add_poses_option(*command, arguments->poses);
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
   command->add_option("--triangles", arguments->triangles,
                       "simplify to at most so many triangles (mesh.triangles)");
   command->add_flag("--manifold", arguments->manifold, "separate surfaces that touch (mesh.manifold)");
+  command->add_option(
+      "--texture", arguments->texture_px,
+      "colour the mesh with a texture of at most so many pixels in width and height, made from "
+      "the sharpest images: .glb, .obj, .usda (mesh.texture_px)");
   add_frame_option(*command, arguments->frame);
   add_up_option(*command, arguments->assignments);
   add_set_option(*command, arguments->assignments);

@@ -215,8 +215,11 @@ std::optional<RgbdImages> DenseRecorder::images_of(FrameId frame) const {
 
 DenseCamera time_calibrated_camera(const RgbdCamera& camera, const SensorEstimate& estimate) {
   const SensorVector& corrections = estimate.sensor.corrections;
-  return {camera.color, corrections(kDepthDelay), corrections(kDepthShutter), Vector6d::Zero(),
-          camera.sensor.noise};
+  return {.color = camera.color,
+          .depth_delay_s = corrections(kDepthDelay),
+          .readout_s = corrections(kDepthShutter),
+          .noise = camera.sensor.noise,
+          .color_readout_s = corrections(kRollingShutter)};
 }
 
 DenseCamera dense_camera(const RgbdCamera& camera, const SensorEstimate& estimate) {

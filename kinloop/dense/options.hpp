@@ -95,6 +95,7 @@ struct MeshOptions {
   int min_component_triangles = 200;
   int triangles = 0;
   bool manifold = false;
+  int texture_px = 0;
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -109,6 +110,10 @@ struct MeshOptions {
     visit("triangles", self.triangles, "simplify to at most so many triangles (0: as measured)",
           Range{0, 1e9});
     visit("manifold", self.manifold, "separate surfaces that touch, as tools that edit meshes need it");
+    visit("texture_px", self.texture_px,
+          "maximum width and height of a texture made from the images, pixels (0: no texture, but colours of "
+          "vertices)",
+          Range{0, 16384});
   }
 };
 

@@ -23,7 +23,7 @@ struct PosedImage {
   Eigen::Vector3f color_gain = Eigen::Vector3f::Ones();
 };
 
-/// Depth model besides the lens: a rolling shutter with a delay relative to the colour image, and a smooth
+/// What the lens does not tell: rolling shutters, a delay of depth relative to the colour image, and a smooth
 /// deformation of depth.
 struct DenseCamera {
   PinholeCamera color;       ///< of the raw colour image, to which depth is registered
@@ -31,7 +31,8 @@ struct DenseCamera {
   double readout_s = 0;      ///< readout time from the first to the last depth row
   /// Added to inverse depth, 1/m: coefficients of 1, x, y, xx, xy, yy of the ray (x / z, y / z).
   Vector6d inverse_depth_correction = Vector6d::Zero();
-  DepthNoise noise = {};  ///< on planes
+  DepthNoise noise = {};       ///< on planes
+  double color_readout_s = 0;  ///< readout time of the colour image; its stamp is that of the middle row
 
   /// Returns when a depth row was measured, relative to the stamp of depth.
   [[nodiscard]] double time_of_row_s(double row) const {
@@ -50,6 +51,24 @@ struct DenseCamera {
                                             double lag_s) const {
     return p - (lag_s + time_of_row_s(color.project(p).y())) *
                    (velocity.linear_m_s + velocity.angular_rad_s.cross(p));
+  }
+
+  /// Returns the raw pixel at which the moving camera sees a point `p` given in its axes at the stamp of
+  /// colour, z > 0. First order, as above.
+  [[nodiscard]] Eigen::Vector2d raw_color_pixel(const Eigen::Vector3d& p, const Velocity& velocity) const {
+    const auto raw_pixel = [&](const Eigen::Vector3d& seen) {
+      const Eigen::Vector2d ideal = color.project(seen);
+      return color.has_distortion() ? color.distort(ideal) : ideal;
+    };
+    Eigen::Vector2d raw = raw_pixel(p);
+    if (color_readout_s == 0) return raw;
+    constexpr int kRounds = 2;  // the row changes by far less than the image during its readout
+    const Eigen::Vector3d change_m_s = velocity.linear_m_s + velocity.angular_rad_s.cross(p);
+    for (int round = 0; round < kRounds; ++round) {
+      const double time_s = color_readout_s * (raw.y() / color.height - 0.5);
+      raw = raw_pixel(p - time_s * change_m_s);
+    }
+    return raw;
   }
 
   /// Returns measured inverse depth, 1/m, corrected for the deformation.

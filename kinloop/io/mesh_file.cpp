@@ -1,32 +1,20 @@
 #include "kinloop/io/mesh_file.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/text/json.hpp"
+#include "kinloop/io/file_mesh.hpp"
+#include "kinloop/io/glb_bytes.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/io/usda_text.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 
 namespace kinloop {
 namespace {
-
-using nlohmann::json;
-
-/// A mesh in the frame of its file.
-struct FileMesh {
-  const ColoredMesh& mesh;
-  const FileFrame& frame;
-  std::vector<Eigen::Vector3f> normals_world;
-
-  [[nodiscard]] size_t size() const { return mesh.points.size(); }
-  [[nodiscard]] Eigen::Vector3f point(size_t i) const { return frame.to_file(mesh.points[i]); }
-  [[nodiscard]] Eigen::Vector3f normal(size_t i) const { return frame.to_file(normals_world[i]); }
-};
 
 std::string ply_bytes(const FileMesh& file) {
   const ColoredMesh& mesh = file.mesh;
@@ -51,135 +39,57 @@ std::string ply_bytes(const FileMesh& file) {
   return bytes;
 }
 
-std::string obj_text(const FileMesh& file) {
+void add_vertices(std::string& text, const FileMesh& file) {
   constexpr double kFull = 255;
-  std::string text = "# kinloop: vertices x y z red green blue\n";
-  for (const std::string& comment : format_frame_comments(file.frame)) text += "# " + comment + "\n";
   for (size_t i = 0; i < file.size(); ++i) {
-    const auto& [red, green, blue] = file.mesh.colors[i];
     const Eigen::Vector3f p = file.point(i);
-    fmt::format_to(std::back_inserter(text), "v {:.5f} {:.5f} {:.5f} {:.3f} {:.3f} {:.3f}\n", p.x(), p.y(),
-                   p.z(), red / kFull, green / kFull, blue / kFull);
+    fmt::format_to(std::back_inserter(text), "v {:.5f} {:.5f} {:.5f}", p.x(), p.y(), p.z());
+    if (file.texture == nullptr) {
+      const auto& [red, green, blue] = file.mesh.colors[i];
+      fmt::format_to(std::back_inserter(text), " {:.3f} {:.3f} {:.3f}", red / kFull, green / kFull,
+                     blue / kFull);
+    }
+    text += '\n';
   }
   for (size_t i = 0; i < file.size(); ++i) {
     const Eigen::Vector3f n = file.normal(i);
     fmt::format_to(std::back_inserter(text), "vn {:.3f} {:.3f} {:.3f}\n", n.x(), n.y(), n.z());
   }
+}
+
+std::string obj_text(const FileMesh& file) {
+  std::string text = "# kinloop: vertices x y z red green blue\n";
+  for (const std::string& comment : format_frame_comments(file.frame)) text += "# " + comment + "\n";
+  add_vertices(text, file);
   for (const auto& [a, b, c] : file.mesh.triangles) {
     fmt::format_to(std::back_inserter(text), "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
   }
   return text;
 }
 
-// Constants of the glTF 2.0 specification.
-constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
-constexpr uint16_t kOpaque = 65535;
-constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr const char* kMaterial = "images";
 
-/// The buffer view from `begin` to the current end.
-json buffer_view(const std::string& buffer, size_t begin, int target) {
-  return {{"buffer", 0}, {"byteOffset", begin}, {"byteLength", buffer.size() - begin}, {"target", target}};
-}
-
-/// Minimum and maximum coordinates, which glTF requires.
-std::pair<json, json> bounds(const std::vector<Eigen::Vector3f>& points) {
-  Eigen::AlignedBox3f box;
-  for (const auto& point : points) box.extend(point);
-  const auto list = [](const Eigen::Vector3f& p) { return json{p.x(), p.y(), p.z()}; };
-  return {list(box.min()), list(box.max())};
-}
-
-/// glTF colours are linear, not sRGB-encoded (IEC 61966-2-1). Of 8 bits, dark ones would be the same.
-uint16_t linear(uint8_t pixel) {
-  constexpr double kFull = 255;
-  const double s = pixel / kFull;
-  const double light = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  return static_cast<uint16_t>(std::lround(kOpaque * light));
-}
-
-/// Quaternion (x, y, z, w) from the file's frame to glTF's y up: a quarter turn about x from z up, or half a
-/// turn from the first camera's y down.
-std::array<double, 4> turn_to_y_up(const FileFrame& frame) {
-  if (frame.z_up) return {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
-  return {1, 0, 0, 0};
-}
-
-/// The vertices and triangles as bytes, with the offsets of each part.
-struct GlbBuffer {
-  std::string bytes;
-  json views = json::array();
-  json accessors = json::array();
-};
-
-GlbBuffer glb_buffer(const FileMesh& file) {
-  const ColoredMesh& mesh = file.mesh;
-  std::vector<Eigen::Vector3f> points, normals;
-  for (size_t i = 0; i < file.size(); ++i) {
-    points.push_back(file.point(i));
-    normals.push_back(file.normal(i));
+/// The same with a texture, whose material is in the file `material`.
+std::string textured_obj_text(const FileMesh& file, const std::string& material) {
+  std::string text = "# kinloop\n";
+  for (const std::string& comment : format_frame_comments(file.frame)) text += "# " + comment + "\n";
+  fmt::format_to(std::back_inserter(text), "mtllib {}\nusemtl {}\n", material, kMaterial);
+  add_vertices(text, file);
+  for (const Eigen::Vector2f& uv : file.texture->uvs)
+    fmt::format_to(std::back_inserter(text), "vt {:.6f} {:.6f}\n", uv.x(), 1 - uv.y());
+  for (size_t i = 0; i < file.mesh.triangles.size(); ++i) {
+    text += 'f';
+    for (size_t k = 0; k < 3; ++k)
+      fmt::format_to(std::back_inserter(text), " {0}/{1}/{0}", file.mesh.triangles[i][k] + 1,
+                     file.texture->triangles[i][k] + 1);
+    text += '\n';
   }
-  GlbBuffer buffer;
-  const auto end_part = [&](size_t begin, int target, json accessor) {
-    accessor["bufferView"] = buffer.views.size();
-    buffer.accessors.push_back(accessor);
-    buffer.views.push_back(buffer_view(buffer.bytes, begin, target));
-    return buffer.bytes.size();
-  };
-  for (const auto& point : points) put_values(buffer.bytes, point.data(), 3);
-  const auto [low, high] = bounds(points);
-  size_t begin = end_part(
-      0, kArrayBuffer,
-      {{"componentType", kFloat}, {"type", "VEC3"}, {"count", points.size()}, {"min", low}, {"max", high}});
-  for (const auto& [red, green, blue] : mesh.colors) {
-    const uint16_t rgba[] = {linear(red), linear(green), linear(blue), kOpaque};
-    put_values(buffer.bytes, rgba, 4);
-  }
-  begin = end_part(
-      begin, kArrayBuffer,
-      {{"componentType", kUnsignedShort}, {"type", "VEC4"}, {"normalized", true}, {"count", points.size()}});
-  for (const Triangle& triangle : mesh.triangles) put_values(buffer.bytes, triangle.data(), 3);
-  begin =
-      end_part(begin, kElementArrayBuffer,
-               {{"componentType", kUnsignedInt}, {"type", "SCALAR"}, {"count", 3 * mesh.triangles.size()}});
-  for (const auto& normal : normals) put_values(buffer.bytes, normal.data(), 3);
-  end_part(begin, kArrayBuffer, {{"componentType", kFloat}, {"type", "VEC3"}, {"count", normals.size()}});
-  return buffer;
+  return text;
 }
 
-std::string glb_bytes(const FileMesh& file, const std::filesystem::path& path) {
-  const auto [buffer, views, accessors] = glb_buffer(file);
-  const json primitive = {
-      {"attributes", {{"POSITION", 0}, {"COLOR_0", 1}, {"NORMAL", 3}}}, {"indices", 2}, {"material", 0}};
-  const json scene = {
-      {"asset", {{"version", "2.0"}, {"generator", "kinloop"}}},
-      {"scene", 0},
-      {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}, {"rotation", turn_to_y_up(file.frame)}, {"extras", to_json(file.frame)}}}},
-      {"meshes", {{{"primitives", {primitive}}}}},
-      {"materials",
-       {{{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}}}},
-      {"buffers", {{{"byteLength", buffer.size()}}}},
-      {"bufferViews", views},
-      {"accessors", accessors}};
-  std::string text = json_text(scene);
-  text.append((4 - text.size() % 4) % 4, ' ');
-
-  std::string bytes = "glTF";
-  const auto put = [&](size_t number) {
-    const auto value = static_cast<uint32_t>(number);
-    put_values(bytes, &value, 1);
-  };
-  constexpr size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
-  const size_t total = kHeaderBytes + kChunkHeaderBytes + text.size() + kChunkHeaderBytes + buffer.size();
-  if (!std::in_range<uint32_t>(total))
-    throw InputError(fmt::format("{}: {} bytes, more than .glb can hold; write .ply", path.string(), total));
-  put(2);
-  put(total);
-  put(text.size());
-  bytes += "JSON" + text;
-  put(buffer.size());
-  bytes += std::string("BIN\0", 4) + buffer;
-  return bytes;
+/// A diffuse material without highlights.
+std::string mtl_text(const std::string& image) {
+  return fmt::format("newmtl {}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {}\n", kMaterial, image);
 }
 
 /// STL has triangles without a common list of vertices, each with the normal of its plane, in metres here.
@@ -208,7 +118,12 @@ std::string stl_bytes(const FileMesh& file, const std::filesystem::path& path) {
 
 bool is_mesh_file(const std::filesystem::path& path) {
   const auto form = path.extension();
-  return form == ".ply" || form == ".obj" || form == ".glb" || form == ".stl";
+  return form == ".ply" || form == ".stl" || is_textured_mesh_file(path);
+}
+
+bool is_textured_mesh_file(const std::filesystem::path& path) {
+  const auto form = path.extension();
+  return form == ".obj" || form == ".glb" || form == ".usda";
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
@@ -218,7 +133,27 @@ void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, cons
   if (path.extension() == ".ply") return write_file(path, ply_bytes(file));
   if (path.extension() == ".obj") return write_file(path, obj_text(file));
   if (path.extension() == ".stl") return write_file(path, stl_bytes(file, path));
-  write_file(path, glb_bytes(file, path));
+  if (path.extension() == ".usda") return write_file(path, usda_text(file, {}));
+  write_file(path, glb_bytes(file, {}, path));
+}
+
+void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const MeshTexture& texture,
+                const FileFrame& frame) {
+  constexpr int kJpegQuality = 90;
+  require(mesh.triangles.size() == texture.triangles.size(), "write_mesh: expected the texture of this mesh");
+  require(is_textured_mesh_file(path), "write_mesh: the extension supports no texture");
+  const FileMesh file{mesh, frame, vertex_normals(mesh), &texture};
+  const std::vector<uint8_t> encoded = encode_jpeg(texture.image, kJpegQuality);
+  const std::string_view jpeg(reinterpret_cast<const char*>(encoded.data()), encoded.size());
+  if (path.extension() == ".glb") return write_file(path, glb_bytes(file, jpeg, path));
+  const auto beside = [&](const char* extension) {
+    return std::filesystem::path(path).replace_extension(extension);
+  };
+  const std::string image = beside(".jpg").filename().string();
+  write_file(beside(".jpg"), jpeg);
+  if (path.extension() == ".usda") return write_file(path, usda_text(file, image));
+  write_file(beside(".mtl"), mtl_text(image));
+  write_file(path, textured_obj_text(file, beside(".mtl").filename().string()));
 }
 
 }  // namespace kinloop

@@ -15,6 +15,7 @@ namespace kinloop::python {
 namespace {
 
 static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float) && sizeof(Rgb) == 3 && sizeof(Triangle) == 12);
+static_assert(sizeof(Eigen::Vector2f) == 2 * sizeof(float));
 
 /// A view of rows of three numbers.
 template <class T, class Row>
@@ -32,7 +33,26 @@ void save_cloud(const PyCloud& cloud, const std::filesystem::path& path) {
 void save_mesh(const PyMesh& mesh, const std::filesystem::path& path) {
   if (!is_mesh_file(path))
     throw UsageError(fmt::format("{}: the name must end in {}", path.string(), kMeshExtensions));
-  write_mesh(path, mesh.mesh, mesh.frame);
+  if (!mesh.made.texture) return write_mesh(path, mesh.made.mesh, mesh.frame);
+  if (!is_textured_mesh_file(path))
+    throw UsageError(fmt::format("{}: the name of a mesh with a texture must end in {}", path.string(),
+                                 kTexturedMeshExtensions));
+  write_mesh(path, mesh.made.mesh, *mesh.made.texture, mesh.frame);
+}
+
+/// The texture of the mesh, or None.
+py::object texture_of(const PyMesh& mesh) {
+  if (!mesh.made.texture) return py::none();
+  return rgb_view(mesh.made.texture->image);
+}
+
+/// The rows of a part of the texture, or None.
+template <class T, class Row>
+py::object texture_rows(const py::object& self, std::vector<Row> MeshTexture::*part, size_t columns) {
+  const auto& texture = self.cast<const PyMesh&>().made.texture;
+  if (!texture) return py::none();
+  const std::vector<Row>& rows = (*texture).*part;
+  return rows_view(reinterpret_cast<const T*>(rows.data()), rows.size(), columns, self);
 }
 
 Eigen::Matrix4d T_file_world(const FileFrame& frame) {
@@ -88,30 +108,39 @@ The arrays are read-only views of its memory; they keep it alive.)")
       .def_property_readonly(
           "points",
           [](const py::object& self) {
-            return view_of_rows<float>(self.cast<const PyMesh&>().mesh.points, self);
+            return view_of_rows<float>(self.cast<const PyMesh&>().made.mesh.points, self);
           },
           "Vertices, float32 (V, 3), metres.")
       .def_property_readonly(
           "colors",
           [](const py::object& self) {
-            return view_of_rows<uint8_t>(self.cast<const PyMesh&>().mesh.colors, self);
+            return view_of_rows<uint8_t>(self.cast<const PyMesh&>().made.mesh.colors, self);
           },
           "Red, green, blue of each vertex, uint8 (V, 3).")
       .def_property_readonly(
           "triangles",
           [](const py::object& self) {
-            return view_of_rows<uint32_t>(self.cast<const PyMesh&>().mesh.triangles, self);
+            return view_of_rows<uint32_t>(self.cast<const PyMesh&>().made.mesh.triangles, self);
           },
           "Indices of vertices, uint32 (T, 3), counterclockwise from the free side.")
+      .def_property_readonly("texture", &texture_of,
+                             "Pixels of the texture, uint8 (H, W, 3), red first; None without texture_px.")
+      .def_property_readonly(
+          "uvs", [](const py::object& self) { return texture_rows<float>(self, &MeshTexture::uvs, 2); },
+          "Places in the texture, float32 (C, 2), from 0 to 1, from its upper left corner; or None.")
+      .def_property_readonly(
+          "uv_triangles",
+          [](const py::object& self) { return texture_rows<uint32_t>(self, &MeshTexture::triangles, 3); },
+          "Indices into uvs of the corners of each triangle, uint32 (T, 3); or None.")
       .def_property_readonly(
           "T_file_world", [](const PyMesh& mesh) { return T_file_world(mesh.frame); }, kFileFrameDoc)
       .def("save", &save_mesh, py::arg("path"),
-           "Writes a .ply, .obj, .glb or .stl file, z up as kinloop mesh does. Raises InputError, or "
-           "UsageError "
-           "for another name.")
+           "Writes a .ply, .obj, .glb, .usda or .stl file, with a texture .obj, .glb or .usda, z up as "
+           "kinloop "
+           "mesh does. Raises InputError, or UsageError for another name.")
       .def("__repr__", [](const PyMesh& mesh) {
-        return fmt::format("<kinloop.Mesh: {} vertices, {} triangles>", mesh.mesh.points.size(),
-                           mesh.mesh.triangles.size());
+        return fmt::format("<kinloop.Mesh: {} vertices, {} triangles>", mesh.made.mesh.points.size(),
+                           mesh.made.mesh.triangles.size());
       });
 }
 

@@ -2,7 +2,7 @@
 // Clouds and meshes in Python: the data and the frame of their files.
 
 #include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "kinloop/dense/texture/texture_mesh.hpp"
 #include "kinloop/io/file_frame.hpp"
 
 namespace kinloop::python {
@@ -13,7 +13,7 @@ struct PyCloud {
 };
 
 struct PyMesh {
-  ColoredMesh mesh;
+  TexturedMesh made;
   FileFrame frame;
 };
 

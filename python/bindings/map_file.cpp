@@ -7,7 +7,7 @@
 
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+#include "kinloop/dense/texture/texture_mesh.hpp"
 #include "kinloop/loop/correct_loop.hpp"
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"
@@ -57,8 +57,8 @@ PyMesh map_mesh(PyMap& map, const py::kwargs& keywords) {
     const MeshOptions options = run_options_with(open.options, assignments).mesh;
     const DenseCamera camera = open.dense_camera();
     const auto views = open.recorder.with_color_gains(open.views(0), camera, hardware_threads());
-    return PyMesh{reconstruct_mesh(open.recorder.images(), views, camera, options, hardware_threads(),
-                                   progress.function()),
+    return PyMesh{reconstruct_textured_mesh(open.recorder.images(), views, camera, options,
+                                            hardware_threads(), progress.function()),
                   map_frame(open)};
   });
   progress.rethrow();
@@ -147,7 +147,8 @@ To continue it or to localise in it, pass its path to Slam(camera, load_map=path
           "The Trajectory of the keyframes.")
       .def_property_readonly("landmarks", &map_landmarks, "The landmarks, float64 (N, 3), metres.")
       .def_property_readonly("cloud", &map_cloud, "The coloured Cloud, made when first asked for.")
-      .def("mesh", &map_mesh, "Returns the surfaces as a coloured Mesh; keywords are the options mesh.*.")
+      .def("mesh", &map_mesh,
+           "Returns the surfaces as a coloured Mesh; keywords are the options mesh.*: mesh(texture_px=4096).")
       .def(
           "pose_graph",
           [](PyMap& map) {

@@ -189,7 +189,8 @@ was found.)")
                              "The coloured Cloud of all surfaces, made when first asked for.")
       .def("mesh", &mesh_of, R"(Returns the surfaces as a coloured Mesh.
 
-Keywords are the options mesh.* of the program: mesh(voxel_m=0.02). Raises UsageError if this build has no OpenVDB.)")
+Keywords are the options mesh.* of the program: mesh(voxel_m=0.02, texture_px=2048). Raises UsageError if this build has
+no OpenVDB.)")
       .def_property_readonly("camera", &calibrated, "The Camera, with what was calibrated during the run.")
       .def_property_readonly("landmarks", &landmarks_of, "The landmarks of the map, float64 (N, 3).")
       .def_property_readonly("loops", &loops_of, "The loops closed, as pairs of keyframes.")

@@ -5,7 +5,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
+#include "kinloop/dense/texture/texture_mesh.hpp"
 #include "session/map_store.hpp"
 #include "session/process.hpp"
 
@@ -117,11 +117,11 @@ ColoredCloud Run::fuse_cloud(const Progress& progress) {
   return recorder_->fuse(*slam_, threads_, progress);
 }
 
-ColoredMesh Run::reconstruct(const MeshOptions& options, const Progress& progress) {
+TexturedMesh Run::reconstruct(const MeshOptions& options, const Progress& progress) {
   const std::lock_guard lock(mutex_);
   const DenseCamera camera = dense_camera(camera_, slam_->sensor_estimate());
   const auto views = recorder_->with_color_gains(recorder_->views(*slam_), camera, threads_);
-  return reconstruct_mesh(recorder_->images(), views, camera, options, threads_, progress);
+  return reconstruct_textured_mesh(recorder_->images(), views, camera, options, threads_, progress);
 }
 
 UpEstimate Run::up() {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "kinloop/dense/texture/texture_mesh.hpp"
 #include "kinloop/io/file_frame.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/slam/slam.hpp"
@@ -49,7 +49,7 @@ class Run {
   [[nodiscard]] std::vector<InputWarning> warnings();
 
   [[nodiscard]] ColoredCloud fuse_cloud(const Progress& progress);
-  [[nodiscard]] ColoredMesh reconstruct(const MeshOptions& options, const Progress& progress);
+  [[nodiscard]] TexturedMesh reconstruct(const MeshOptions& options, const Progress& progress);
   [[nodiscard]] FileFrame file_frame();
   [[nodiscard]] UpEstimate up();
   void save_map(const std::filesystem::path& path);

@@ -22,12 +22,18 @@ def cloud_to_open3d(cloud):
 
 
 def mesh_to_open3d(mesh):
-    """Returns an open3d.geometry.TriangleMesh with colours, in the world frame. Requires Open3D."""
+    """Returns an open3d.geometry.TriangleMesh with colours, and the texture if there is one, in the world frame.
+    Requires Open3D."""
     o3d = _imported("open3d", "Mesh.to_open3d")
     triangles = o3d.geometry.TriangleMesh()
     triangles.vertices = o3d.utility.Vector3dVector(mesh.points.astype("float64"))
     triangles.vertex_colors = o3d.utility.Vector3dVector(mesh.colors / 255.0)
     triangles.triangles = o3d.utility.Vector3iVector(mesh.triangles.astype("int32"))
+    if mesh.texture is not None:
+        # In Open3D, too, v counts from the first row of the image.
+        triangles.triangle_uvs = o3d.utility.Vector2dVector(mesh.uvs[mesh.uv_triangles.ravel()].astype("float64"))
+        triangles.triangle_material_ids = o3d.utility.IntVector([0] * len(mesh.triangles))
+        triangles.textures = [o3d.geometry.Image(mesh.texture.copy(order="C"))]
     return triangles
 
 

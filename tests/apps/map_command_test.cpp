@@ -18,6 +18,7 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "tests/apps/program_test.hpp"
@@ -225,11 +226,50 @@ TEST_F(MapCommand, AMeshHasAtMostTheTrianglesThatAreAskedFor) {
   EXPECT_EQ((bytes - kHeader) % kTriangle, 0U);
 }
 
+TEST_F(MapCommand, AMeshHasATextureOnRequest) {
+  const std::string mesh = "mesh " + ran() + " --voxel 0.03 --texture ";
+  const int code = run(mesh + "512 --threads 2 -o " + at("t.obj"));
+  if (code == kWrongUse) {
+    EXPECT_THAT(err_, HasSubstr("install libopenvdb-dev"));
+    return;
+  }
+  ASSERT_EQ(code, 0) << err_;
+  EXPECT_THAT(out_, testing::ContainsRegex("a texture of [0-9]+ x [0-9]+ pixels in [0-9]+ pieces"));
+  EXPECT_THAT(read_file(at("t.mtl")), HasSubstr("map_Kd t.jpg"));
+  const cv::Size size = decode_jpeg(read_file(at("t.jpg"))).size();
+  EXPECT_LE(std::max(size.width, size.height), 512);
+  EXPECT_GT(std::max(size.width, size.height), 200);
+
+  ASSERT_EQ(run(mesh + "512 --threads 2 -q -o " + at("t.glb")), 0) << err_;
+  ASSERT_EQ(run(mesh + "512 -q --threads 1 -o " + at("one.glb")), 0) << err_;
+  EXPECT_TRUE(read_file(at("t.glb")) == read_file(at("one.glb"))) << "the number of threads matters";
+  EXPECT_THAT(read_file(at("t.glb")), HasSubstr("image/jpeg"));
+}
+
+TEST_F(MapCommand, ATextureThatCannotBeSaysWhatToDo) {
+  const auto refused = [](const std::string& words) {
+    EXPECT_EQ(run("mesh " + ran() + " " + words), kWrongUse) << words;
+    EXPECT_EQ(std::count(err_.begin(), err_.end(), '\n'), 1) << err_;
+    return err_;
+  };
+  for (const std::string name : {"refused.ply", "refused.stl"}) {
+    EXPECT_THAT(refused("--texture 512 -o " + at(name)),
+                HasSubstr("has no texture; write .glb, .obj or .usda"));
+    EXPECT_THAT(refused("--set mesh.texture_px=512 -o " + at(name)), HasSubstr("has no texture; write .glb"));
+    EXPECT_FALSE(std::filesystem::exists(at(name)));
+  }
+  EXPECT_THAT(refused("--texture 512 -o " + at("m.off")),
+              HasSubstr("must end in .ply, .obj, .glb, .usda or"));
+  EXPECT_THAT(refused("--texture 10 -o " + at("m.glb")), HasSubstr("at least 64"));
+  EXPECT_THAT(refused("--texture 20000 -o " + at("m.glb")), HasSubstr("mesh.texture_px"));
+  EXPECT_THAT(refused("--texture large -o " + at("m.glb")), HasSubstr("mesh.texture_px"));
+}
+
 TEST_F(MapCommand, AMapWithoutImagesReplacesNoEarlierResult) {
   SavedMap saved = MapReader(ran() + "/map.kinmap").read().first;
   write_map(at("no_images.kinmap"), saved, 0, {});
-  for (const std::string words :
-       {"export --cloud earlier.ply", "export --grid earlier.pgm", "mesh -o earlier.ply"}) {
+  for (const std::string words : {"export --cloud earlier.ply", "export --grid earlier.pgm",
+                                  "mesh -o earlier.ply", "mesh --texture 512 -o earlier.glb"}) {
     const size_t name = words.find("earlier");
     const std::string file = at(words.substr(name));
     write_file(file, "an earlier result");

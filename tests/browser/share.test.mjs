@@ -72,13 +72,19 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     await page.close();
   }
 
-  // The mesh in place of the cloud.
-  assert.equal(await kinloop('mesh', out, '-q', '--voxel', '0.04', '-o', join(out, 'mesh.glb')).ended, 0);
+  // The mesh, with its texture, in place of the cloud.
+  assert.equal(await kinloop('mesh', out, '-q', '--voxel', '0.04', '--texture', '512', '-o', join(out, 'mesh.glb')).ended, 0);
   assert.equal(await kinloop('share', out, '-q', '--mesh', '-o', file).ended, 0);
   const { page: solid } = await openFile(open, file);
   await until(() => solid.evaluate(() => window.kinloop.world.models.length === 1), 'the mesh is there');
   assert.equal((await seen(solid)).points, 0);
   await until(() => paintedPixels(solid, '#scene').then((painted) => painted > 20_000), 'and drawn');
+  const textures = await solid.evaluate(() => {
+    const widths = [];
+    window.kinloop.world.models[0].traverse(({ material }) => material && widths.push(material.map?.image.width));
+    return widths;
+  });
+  assert.ok(textures.length === 1 && textures[0] > 200 && textures[0] <= 512, `it has its texture: ${textures}`);
   await checkMeasure(solid);
   await shoot(solid, 'share-mesh');
   await solid.close();

@@ -219,7 +219,7 @@ TEST(PointColors, TheSharpestImageMakesTheColour) {
   const Eigen::Vector3f point =
       small_camera().unproject({76, 60}, 1.0).cast<float>();  // inside a light square
   const std::vector<Eigen::Vector3f> points = {point, unseen}, normals(2, Eigen::Vector3f(0, 0, -1));
-  const auto colors = color_points(points, normals, images, views, small_camera(), 1);
+  const auto colors = color_points(points, normals, images, views, {.color = small_camera()}, 1);
   EXPECT_GT(colors[0][0], 200);
   EXPECT_EQ(colors[1], (Rgb{128, 128, 128}));
 }

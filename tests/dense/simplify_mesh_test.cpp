@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/random.hpp"
 
 namespace kinloop {
 namespace {
@@ -210,6 +211,33 @@ TEST(SimplifyMesh, AsFewTrianglesAsTheTopologyAllowsAreLeft) {
   EXPECT_TRUE(is_closed(fewest));
   EXPECT_TRUE(simplified_mesh({}, 10).triangles.empty());
   EXPECT_TRUE(manifold_mesh({}).triangles.empty());
+}
+
+TEST(SimplifyMesh, ARaggedSheetIsHardlyFoldedWhereFewTrianglesCanGo) {
+  SKIP_WITHOUT_CGAL();
+  constexpr uint32_t kSide = 60;
+  ColoredMesh sheet;
+  Random random(8);
+  for (uint32_t row = 0; row < kSide; ++row) {
+    for (uint32_t col = 0; col < kSide; ++col) {
+      sheet.points.emplace_back(col, row, 0.2 * random.gaussian());
+      const uint32_t first = row * kSide + col;
+      if (row + 1 == kSide || col + 1 == kSide) continue;
+      if (random.index(3) > 0) sheet.triangles.push_back({first, first + 1, first + kSide});
+      if (random.index(3) > 0) sheet.triangles.push_back({first + 1, first + kSide + 1, first + kSide});
+    }
+  }
+  sheet.colors.resize(sheet.points.size());
+  const ColoredMesh coarse = simplified_mesh(sheet, 10);
+  EXPECT_LT(coarse.triangles.size(), sheet.triangles.size() * 3 / 4);
+  EXPECT_LT(area_m2(coarse), 1.1 * area_m2(sheet));
+  size_t folded = 0;
+  for (const auto& [a, b, c] : coarse.triangles) {
+    const Eigen::Vector3f normal =
+        (coarse.points[b] - coarse.points[a]).cross(coarse.points[c] - coarse.points[a]);
+    folded += normal.z() < 0 ? 1 : 0;
+  }
+  EXPECT_LT(folded, 30U) << "of " << coarse.triangles.size();
 }
 
 TEST(SimplifyMesh, WithoutCgalThePackageIsNamed) {

@@ -1,10 +1,13 @@
 #include "kinloop/io/mesh_file.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/point_cloud/pcd.hpp"
+#include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/support/value_at.hpp"
@@ -98,6 +101,80 @@ TEST(MeshFile, DarkColorsOfGltfStayDifferent) {
   EXPECT_EQ(value_at<uint16_t>(bytes, colors + 4), 60U);
   EXPECT_EQ(value_at<uint16_t>(bytes, colors + 6), 65535U);
   EXPECT_EQ(value_at<uint16_t>(bytes, colors + 2 * 8), 65535U);
+}
+
+/// A texture in which each triangle of the square has a chart of its own.
+MeshTexture square_texture() {
+  MeshTexture texture;
+  texture.image = cv::Mat(32, 64, CV_8UC3, cv::Scalar(20, 60, 200));
+  texture.uvs = {{0.1F, 0.2F}, {0.4F, 0.2F}, {0.4F, 0.8F}, {0.6F, 0.2F}, {0.9F, 0.8F}, {0.6F, 0.8F}};
+  texture.vertex_of_uv = {0, 1, 2, 0, 2, 3};
+  texture.triangles = {{0, 1, 2}, {3, 4, 5}};
+  return texture;
+}
+
+TEST(MeshFile, GltfHoldsItsTexture) {
+  const test::TempFolder folder;
+  write_mesh(folder.path() / "m.glb", square(), square_texture());
+  const std::string bytes = read_file(folder.path() / "m.glb");
+  const auto json_bytes = value_at<uint32_t>(bytes, 12);
+  const auto scene = nlohmann::json::parse(bytes.substr(20, json_bytes));
+  const size_t body = 20 + json_bytes + 8;
+  EXPECT_EQ(value_at<uint32_t>(bytes, 8), bytes.size());
+  EXPECT_EQ(body + scene["buffers"][0]["byteLength"].get<size_t>(), bytes.size());
+  const auto& attributes = scene["meshes"][0]["primitives"][0]["attributes"];
+  EXPECT_FALSE(attributes.contains("COLOR_0")) << "it would darken the texture";
+  const auto view_of = [&](const nlohmann::json& accessor) {
+    return scene["bufferViews"][scene["accessors"][accessor.get<size_t>()]["bufferView"].get<size_t>()];
+  };
+  const size_t uvs = body + view_of(attributes["TEXCOORD_0"])["byteOffset"].get<size_t>();
+  EXPECT_EQ(value_at<float>(bytes, uvs + 4 * 8), 0.9F);  // fifth vertex, from the upper left as glTF has it
+  EXPECT_EQ(value_at<float>(bytes, uvs + 4 * 8 + 4), 0.8F);
+  const size_t points = body + view_of(attributes["POSITION"])["byteOffset"].get<size_t>();
+  EXPECT_EQ(value_at<float>(bytes, points + 4 * 12), 1.0F);  // third vertex of the square
+  for (const auto& view : scene["bufferViews"]) EXPECT_EQ(view["byteOffset"].get<size_t>() % 4, 0U);
+
+  const auto& material = scene["materials"][0];
+  EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+  EXPECT_TRUE(material["extensions"].contains("KHR_materials_unlit"));
+  EXPECT_EQ(scene["extensionsUsed"], (nlohmann::json{"KHR_materials_unlit"}));
+  const auto& image = scene["bufferViews"][scene["images"][0]["bufferView"].get<size_t>()];
+  const cv::Mat decoded = decode_jpeg(std::string_view(bytes).substr(body + image["byteOffset"].get<size_t>(),
+                                                                     image["byteLength"].get<size_t>()));
+  ASSERT_EQ(decoded.size(), cv::Size(64, 32));
+  EXPECT_NEAR(decoded.at<cv::Vec3b>(5, 5)[2], 200, 3);
+}
+
+TEST(MeshFile, ObjNamesItsTexture) {
+  const test::TempFolder folder;
+  write_mesh(folder.path() / "my room.obj", square(), square_texture());
+  const std::string text = read_file(folder.path() / "my room.obj");
+  EXPECT_THAT(text, HasSubstr("mtllib my room.mtl\nusemtl images\n"));
+  EXPECT_THAT(text, HasSubstr("\nv 1.00000 0.00000 1.00000\n"));
+  EXPECT_THAT(text, HasSubstr("\nvt 0.900000 0.200000\n"));  // from below
+  EXPECT_THAT(text, HasSubstr("\nf 1/1/1 2/2/2 3/3/3\nf 1/4/1 3/5/3 4/6/4\n"));
+  EXPECT_THAT(read_file(folder.path() / "my room.mtl"), HasSubstr("newmtl images\n"));
+  EXPECT_THAT(read_file(folder.path() / "my room.mtl"), HasSubstr("map_Kd my room.jpg\n"));
+  EXPECT_EQ(decode_jpeg(read_file(folder.path() / "my room.jpg")).size(), cv::Size(64, 32));
+}
+
+TEST(MeshFile, UsdHoldsColoursOrNamesItsTexture) {
+  const test::TempFolder folder;
+  write_mesh(folder.path() / "m.usda", square());
+  std::string text = read_file(folder.path() / "m.usda");
+  EXPECT_THAT(text, StartsWith("#usda 1.0\n"));
+  EXPECT_THAT(text, HasSubstr("upAxis = \"Y\""));
+  EXPECT_THAT(text, HasSubstr("xformOp:rotateX = 180"));
+  EXPECT_THAT(text, HasSubstr("int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]\n"));
+  EXPECT_THAT(text, HasSubstr("displayColor = [(1.0000, 0.0000, 0.0000), "));
+  write_mesh(folder.path() / "t.usda", square(), square_texture(), z_up_frame({0, -1, 0}, {}));
+  text = read_file(folder.path() / "t.usda");
+  EXPECT_THAT(text, HasSubstr("upAxis = \"Z\""));
+  EXPECT_THAT(text, HasSubstr("asset inputs:file = @./t.jpg@"));
+  EXPECT_THAT(text, HasSubstr("primvars:st:indices = [0, 1, 2, 3, 4, 5]\n"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("displayColor")));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '{'), std::count(text.begin(), text.end(), '}'));
+  EXPECT_EQ(decode_jpeg(read_file(folder.path() / "t.jpg")).size(), cv::Size(64, 32));
 }
 
 /// The rotation of the node in a .glb.

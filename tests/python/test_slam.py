@@ -339,6 +339,23 @@ def test_cloud_and_mesh_files_are_those_of_the_program(result, program, program_
         result.cloud.save(tmp_path / "map.stl")
 
 
+def test_a_mesh_has_a_texture_on_request(result, tmp_path):
+    mesh = result.mesh(voxel_m=0.03)
+    assert mesh.texture is mesh.uvs is mesh.uv_triangles is None
+    mesh = result.mesh(voxel_m=0.03, texture_px=512)
+    assert mesh.texture.dtype == np.uint8 and max(mesh.texture.shape[:2]) <= 512
+    assert mesh.uvs.dtype == np.float32 and 0 <= mesh.uvs.min() and mesh.uvs.max() <= 1
+    assert mesh.uv_triangles.shape == mesh.triangles.shape and mesh.uv_triangles.max() < len(mesh.uvs)
+    height, width = mesh.texture.shape[:2]
+    col, row = (mesh.uvs * (width, height)).astype(int).T
+    shown = mesh.texture[row, col][mesh.uv_triangles.ravel()].astype(float)
+    assert np.median(np.abs(shown - mesh.colors[mesh.triangles.ravel()])) < 12
+    mesh.save(tmp_path / "mesh.obj")
+    assert {path.name for path in tmp_path.iterdir()} == {"mesh.obj", "mesh.mtl", "mesh.jpg"}
+    with pytest.raises(kinloop.UsageError, match="must end in .glb, .obj or .usda"):
+        mesh.save(tmp_path / "mesh.ply")
+
+
 def test_save_writes_a_folder_of_the_program(result, program, tmp_path):
     result.save(tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}

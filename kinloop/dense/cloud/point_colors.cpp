@@ -18,6 +18,7 @@ constexpr float kSameSurface = 0.02F;
 struct ColoringImage {
   RgbdImages images;
   SE3 T_camera_world;
+  Velocity velocity;
   float sharpness = 0;
   Eigen::Vector3f gain_bgr = Eigen::Vector3f::Ones();
 };
@@ -39,13 +40,12 @@ Eigen::Vector3f sample(const cv::Mat& color, const Eigen::Vector2d& pixel) {
 
 /// Weighted colour of a point in one image; weight 0 if the point is not visible.
 ColorSum observe_color(const ColoringImage& photo, const Eigen::Vector3f& point,
-                       const Eigen::Vector3f& normal, const PinholeCamera& camera) {
+                       const Eigen::Vector3f& normal, const DenseCamera& camera) {
   const Eigen::Vector3d p = photo.T_camera_world * point.cast<double>();
   if (!(p.z() > 0)) return ColorSum::Zero();
-  const Eigen::Vector2d ideal = camera.project(p);
-  if (!camera.contains(ideal)) return ColorSum::Zero();
-  const Eigen::Vector2d pixel = camera.has_distortion() ? camera.distort(ideal) : ideal;
-  if (!camera.contains(pixel, 2)) return ColorSum::Zero();
+  if (!camera.color.contains(camera.color.project(p))) return ColorSum::Zero();
+  const Eigen::Vector2d pixel = camera.raw_color_pixel(p, photo.velocity);
+  if (!camera.color.contains(pixel, 2)) return ColorSum::Zero();
   const auto z = static_cast<float>(p.z());
   const float depth_m = photo.images.depth_m.at<float>(static_cast<int>(std::lround(pixel.y())),
                                                        static_cast<int>(std::lround(pixel.x())));
@@ -63,22 +63,22 @@ ColorSum observe_color(const ColoringImage& photo, const Eigen::Vector3f& point,
   return {color.x(), color.y(), color.z(), weight};
 }
 
-Rgb color_of(const ColorSum& sum) {
-  constexpr uint8_t kGrey = 128;
-  if (!(sum.w() > 0)) return {kGrey, kGrey, kGrey};
+std::optional<Rgb> color_of(const ColorSum& sum) {
+  if (!(sum.w() > 0)) return std::nullopt;
   const auto channel = [&](int i) {
     return static_cast<uint8_t>(std::clamp(std::lround(sum(i) / sum.w()), 0L, 255L));
   };
-  return {channel(2), channel(1), channel(0)};
+  return Rgb{channel(2), channel(1), channel(0)};
 }
 
 }  // namespace
 
-std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
-                              std::span<const Eigen::Vector3f> normals, const ImageStore& images,
-                              std::span<const PosedImage> views, const PinholeCamera& camera, int threads,
-                              const Progress& progress) {
-  require(points.size() == normals.size(), "color_points: expected one normal per point");
+std::vector<std::optional<Rgb>> observed_colors(std::span<const Eigen::Vector3f> points,
+                                                std::span<const Eigen::Vector3f> normals,
+                                                const ImageStore& images, std::span<const PosedImage> views,
+                                                const DenseCamera& camera, int threads,
+                                                const Progress& progress) {
+  require(points.size() == normals.size(), "observed_colors: expected one normal per point");
   std::vector<ColorSum> sums(points.size(), ColorSum::Zero());
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<ColoringImage> batch(batch_size);
@@ -89,7 +89,8 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
       for (size_t i = begin; i < end; ++i) {
         const PosedImage& view = views[first + i];
         const float gain = view.color_gain.mean();
-        batch[i] = {images.load(view.image), view.T_world_camera.inverse(), 0, view.color_gain.reverse()};
+        batch[i] = {images.load(view.image), view.T_world_camera.inverse(), view.velocity, 0,
+                    view.color_gain.reverse()};
         batch[i].sharpness = gain * gain * image_sharpness(batch[i].images.color);
       }
     });
@@ -100,9 +101,21 @@ std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
     });
   }
   report(progress, "colouring", views.size(), views.size());
-  std::vector<Rgb> colors;
+  std::vector<std::optional<Rgb>> colors;
   colors.reserve(sums.size());
   for (const ColorSum& sum : sums) colors.push_back(color_of(sum));
+  return colors;
+}
+
+std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
+                              std::span<const Eigen::Vector3f> normals, const ImageStore& images,
+                              std::span<const PosedImage> views, const DenseCamera& camera, int threads,
+                              const Progress& progress) {
+  constexpr Rgb kGrey = {128, 128, 128};
+  std::vector<Rgb> colors;
+  colors.reserve(points.size());
+  for (const auto& color : observed_colors(points, normals, images, views, camera, threads, progress))
+    colors.push_back(color.value_or(kGrey));
   return colors;
 }
 

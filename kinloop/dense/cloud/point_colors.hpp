@@ -2,7 +2,9 @@
 // In: surface points and images. Out: a colour for each point, dominated by the images that see it best:
 // sharp, close and frontal.
 
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "kinloop/core/progress.hpp"
 #include "kinloop/dense/cloud/colored_cloud.hpp"
@@ -11,10 +13,17 @@
 
 namespace kinloop {
 
-/// Returns grey for a point that no image sees. The result does not depend on `threads`.
+/// Returns nullopt for a point that no image sees. The result does not depend on `threads`.
+std::vector<std::optional<Rgb>> observed_colors(std::span<const Eigen::Vector3f> points,
+                                                std::span<const Eigen::Vector3f> normals,
+                                                const ImageStore& images, std::span<const PosedImage> views,
+                                                const DenseCamera& camera, int threads,
+                                                const Progress& progress = {});
+
+/// Same, with grey for a point that no image sees.
 std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
                               std::span<const Eigen::Vector3f> normals, const ImageStore& images,
-                              std::span<const PosedImage> views, const PinholeCamera& camera, int threads,
+                              std::span<const PosedImage> views, const DenseCamera& camera, int threads,
                               const Progress& progress = {});
 
 }  // namespace kinloop

@@ -106,8 +106,7 @@ ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImag
   const ColoredMesh measured =
       remove_small_components(volume.surface(), static_cast<size_t>(options.min_component_triangles));
   ColoredMesh mesh = simplified_as_asked(measured, options);
-  mesh.colors =
-      color_points(mesh.points, vertex_normals(mesh), images, views, camera.color, threads, progress);
+  mesh.colors = color_points(mesh.points, vertex_normals(mesh), images, views, camera, threads, progress);
   return mesh;
 }
 

@@ -18,6 +18,8 @@
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Bounded_normal_change_placement.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 #pragma GCC diagnostic pop
 
@@ -82,7 +84,12 @@ ColoredMesh simplified_mesh(const ColoredMesh& mesh, size_t max_triangles) {
   const auto [points, triangles] = manifold_soup(mesh);
   CgalMesh surface;
   processing::polygon_soup_to_polygon_mesh(points, triangles, surface);
-  simplification::edge_collapse(surface, FewTriangles{max_triangles});
+  // A collapse that turns a triangle over would fold the surface; without this, many such follow where the
+  // topology allows few others.
+  using Placement =
+      simplification::Bounded_normal_change_placement<simplification::LindstromTurk_placement<CgalMesh>>;
+  simplification::edge_collapse(surface, FewTriangles{max_triangles},
+                                CGAL::parameters::get_placement(Placement()));
   surface.collect_garbage();  // numbers the vertices that are left from 0
 
   ColoredMesh simplified;
