@@ -58,7 +58,7 @@ setup(
     long_description_content_type="text/markdown",
     license_files=["LICENSE"],
     python_requires=">=3.9",
-    install_requires=["numpy"],
+    install_requires=["numpy<2"],  # the pybind11 of Debian 12 and Ubuntu 24.04 misreads the arrays of NumPy 2
     extras_require={
         "open3d": ["open3d"],
         "pandas": ["pandas"],

@@ -37,11 +37,12 @@ bool is_of(const py::array& array) {
   throw UsageError(fmt::format("{}: expected {}, got {}", name, expected, describe_array(array)));
 }
 
-/// Rows of aligned pixels at positive strides, as OpenCV has them; other layouts are copied first.
+/// Rows of aligned pixels of one element at positive strides, as OpenCV has them; other layouts are copied
+/// first. The size of an element is not asked of the array: pybind11 before 2.12 reads it as 0 from NumPy 2.
 py::array with_rows(const py::array& array, py::ssize_t pixel_bytes) {
   const bool rows = array.strides(1) == pixel_bytes && array.strides(0) >= pixel_bytes * array.shape(1);
-  const bool aligned = (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0 &&
-                       array.strides(0) % array.itemsize() == 0;
+  const bool aligned =
+      (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0 && array.strides(0) % pixel_bytes == 0;
   if (rows && aligned) return array;
   return array.attr("copy")();
 }
@@ -105,7 +106,7 @@ cv::Mat depth_image(const py::array& depth, const char* name) {
   if (is_of<uint16_t>(depth)) type = CV_16UC1;
   if (type < 0 || depth.ndim() != 2)
     refuse(name, "float32 (metres) or uint16 (units) of shape (height, width)", depth);
-  const py::array rows = with_rows(depth, depth.itemsize());
+  const py::array rows = with_rows(depth, CV_ELEM_SIZE(type));
   const cv::Mat image = mat_over(rows, type, rows.data());
   return rows.is(depth) ? image : image.clone();
 }
