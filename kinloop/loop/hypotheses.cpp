@@ -206,15 +206,20 @@ bool LoopHypotheses::joins_by_doubles(size_t index, const std::vector<size_t>& g
   return static_cast<int>(distinct.size()) < situation.required_keyframes;
 }
 
-/// Whether a loop joins a component in which the camera was falsely located, after too few views.
+/// Whether a loop joins a component in which the camera was falsely located, or two that a group of loops
+/// falsely joined before, after too few views.
 bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situation) const {
   const Map& map = situation.map;
   const LoopClosure& loop = waiting_[index].loop;
   const uint32_t a = map.keyframe(loop.a).component, b = map.keyframe(loop.b).component;
-  const bool suspected = std::any_of(suspected_.begin(), suspected_.end(), [&](KeyframeId place) {
-    const uint32_t component = map.keyframe(place).component;
-    return component == a || component == b;
-  });
+  const auto component = [&](KeyframeId id) { return map.keyframe(id).component; };
+  const bool suspected =
+      std::any_of(suspected_.begin(), suspected_.end(),
+                  [&](KeyframeId place) { return component(place) == a || component(place) == b; }) ||
+      std::any_of(refuted_.begin(), refuted_.end(), [&](const LoopEnds& ends) {
+        const uint32_t c = component(ends.a), d = component(ends.b);
+        return (c == a && d == b) || (c == b && d == a);
+      });
   return joins_components(map, loop) && suspected &&
          compare_components(map, loop, situation.sensor).looks.views < situation.required_views_of_suspect;
 }
@@ -243,6 +248,7 @@ LoopDecisions LoopHypotheses::decide(size_t first, const Situation& situation) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
     } else if (const LoopReason reason = refute(i, group.scales, situation); reason != LoopReason::kNone) {
       for (const size_t member : group.waiting) reject(member, reason);
+      if (reason == LoopReason::kDoesNotFit) refuted_.push_back({loop.a, loop.b});
     } else {
       for (const size_t member : group.waiting) {
         if (decided[member]) continue;

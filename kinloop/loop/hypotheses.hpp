@@ -46,8 +46,10 @@ class LoopHypotheses {
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
   /// whose visits differ in scale, or that join components whose surfaces contradict each other, are
   /// rejected, as those that join components although the camera cannot have moved from one to the other in
-  /// time, and with a group those that contradict it. Loops between places that have doubles do not join
-  /// components: along a corridor, all keyframes agree on the wrong one of the same doors.
+  /// time, and with a group those that contradict it. Two components are joined only after many of their
+  /// views have been compared if a group between them was refuted before. Loops between places that have
+  /// doubles do not join components: along a corridor, all keyframes agree on the wrong one of the same
+  /// doors.
   LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
 
   /// Says that the camera was thought to be in the component of this keyframe, and was not: a visit joins it
@@ -84,6 +86,7 @@ class LoopHypotheses {
   HasDouble has_double_;
   std::vector<KeyframeId> suspected_;
   std::vector<Beginning> beginnings_;
+  std::vector<LoopEnds> refuted_;       // loops that would have joined components
   std::map<KeyframeId, bool> doubles_;  // of the keyframes that were asked for: it takes time
   std::vector<LoopVerificationResult> waiting_;
 };

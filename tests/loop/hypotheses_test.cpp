@@ -242,6 +242,17 @@ TEST_F(Hypotheses, AVisitIsNotJoinedWhereTheCameraCannotHaveMovedInTime) {
   }
 }
 
+TEST_F(Hypotheses, WhereAGroupWasRefutedTheNextWaitsForMoreViews) {
+  hypotheses_.add_beginning(second(0), {first(0), SE3{}, Velocity{}, to_ns(-1.0)});
+  for (const uint32_t i : {2U, 3U}) add({elsewhere(i, i)});
+  EXPECT_THAT(reasons(add({elsewhere(4, 4)}).others), testing::Each(LoopReason::kDoesNotFit));
+  for (const uint32_t i : {5U, 6U, 7U, 8U}) {
+    const LoopDecisions waits = add({loop(i, i)});
+    EXPECT_THAT(waits.accepted, IsEmpty()) << i;
+    EXPECT_THAT(reasons(waits.others), ElementsAre(LoopReason::kTooFewKeyframes));
+  }
+}
+
 TEST_F(Hypotheses, LoopsOfWithdrawnKeyframesAreForgotten) {
   for (const uint32_t i : {2U, 3U}) add({loop(i, i)});
   map_.withdraw(second(2));
