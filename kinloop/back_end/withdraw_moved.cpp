@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "kinloop/map/observers.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -26,21 +28,13 @@ std::vector<KeyframeId> views_of_place(const Map& map, const Keyframe& keyframe)
   return views;
 }
 
-bool observes(KeyframeId keyframe, const Landmark& landmark) {
-  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
-                     [&](const Observation& seen) { return seen.keyframe == keyframe; });
-}
-
 /// Whether the coarse surfaces can tell that there is nothing at the landmark: its depth was measured, and
 /// its anchor does not see through it itself, as through a cable.
 bool is_decidable(const Landmark& landmark, const Map& map) {
   const Keyframe& anchor = map.keyframe(landmark.anchor);
-  const bool measured =
-      std::any_of(landmark.observations.begin(), landmark.observations.end(), [&](const Observation& seen) {
-        return map.keyframe(seen.keyframe).features->depths_m[seen.feature] > 0;
-      });
-  return measured && !(anchor.surfaces &&
-                       state_in_view(landmark.p_anchor, *anchor.surfaces) == PointState::kContradicted);
+  return has_measured_depth(landmark, map) &&
+         !(anchor.surfaces &&
+           state_in_view(landmark.p_anchor, *anchor.surfaces) == PointState::kContradicted);
 }
 
 /// Whether the views say that there is nothing at the landmark.

@@ -11,6 +11,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/text/json.hpp"
+#include "kinloop/io/linear_color.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop {
@@ -33,12 +34,9 @@ std::pair<json, json> bounds(const std::vector<Eigen::Vector3f>& points) {
   return {list(box.min()), list(box.max())};
 }
 
-/// glTF colours are linear, not sRGB-encoded (IEC 61966-2-1). Of 8 bits, dark ones would be the same.
-uint16_t linear(uint8_t pixel) {
-  constexpr double kFull = 255;
-  const double s = pixel / kFull;
-  const double light = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  return static_cast<uint16_t>(std::lround(kOpaque * light));
+/// Of 8 bits, dark linear colours would be the same.
+uint16_t linear(uint8_t channel) {
+  return static_cast<uint16_t>(std::lround(kOpaque * linear_color(channel)));
 }
 
 /// Quaternion (x, y, z, w) from the file's frame to glTF's y up: a quarter turn about x from z up, or half a

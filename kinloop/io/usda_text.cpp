@@ -1,10 +1,11 @@
 #include "kinloop/io/usda_text.hpp"
 
-#include <cmath>
 #include <iterator>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
+
+#include "kinloop/io/linear_color.hpp"
 
 namespace kinloop {
 namespace {
@@ -29,20 +30,14 @@ std::string text_of(const Triangle& triangle) {
   return fmt::format("{}, {}, {}", triangle[0], triangle[1], triangle[2]);
 }
 
-/// USD colours are linear, not sRGB-encoded (IEC 61966-2-1).
-float linear(uint8_t pixel) {
-  constexpr double kFull = 255;
-  const double s = pixel / kFull;
-  return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-}
-
 void add_colors(std::string& text, const FileMesh& file) {
   constexpr int kDigits = 4;
   add_list(
       text, "color3f[] primvars:displayColor", file.size(),
       [&](size_t i) {
         const auto& [red, green, blue] = file.mesh.colors[i];
-        return text_of(Eigen::Vector3f(linear(red), linear(green), linear(blue)), kDigits);
+        const Eigen::Vector3d linear(linear_color(red), linear_color(green), linear_color(blue));
+        return text_of(linear.cast<float>(), kDigits);
       },
       " (interpolation = \"vertex\")");
 }

@@ -25,9 +25,13 @@ const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_wo
 
 }  // namespace
 
+SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop) {
+  return map.keyframe(loop.a).T_world_camera * loop.T_a_b * map.keyframe(loop.b).T_world_camera.inverse();
+}
+
 RoomComparison compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor) {
   const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
-  const SE3 T_worlds = a.T_world_camera * loop.T_a_b * b.T_world_camera.inverse();  // of a from that of b
+  const SE3 T_worlds = T_world_a_world_b(map, loop);
   RoomComparison comparison;
   for (const Keyframe& keyframe : map.keyframes()) {
     if (keyframe.component != b.component) continue;

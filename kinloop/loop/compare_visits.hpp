@@ -13,6 +13,9 @@ struct RoomComparison {
   Looks looks;  ///< of the pairs of keyframes that were compared
 };
 
+/// Returns the pose of the world of `loop.b` in that of `loop.a`, if the loop is true.
+SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop);
+
 /// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view
 /// is nearest to its own, if the loop is true. Allows for drift with the distance from the loop.
 RoomComparison compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor);

@@ -157,11 +157,11 @@ LoopDecisions LoopHypotheses::finish(const Map& map, const Sensor& sensor) {
 /// What refutes a group of loops with these scales, although they agree; kNone if nothing does.
 LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>& scales,
                                   const Situation& situation) const {
-  const auto& [map, sensor, required, required_of_suspect] = situation;
+  const Map& map = situation.map;
   const LoopClosure& loop = waiting_[index].loop;
   if (refutes_same_place(combine(scales))) return LoopReason::kScale;
   if (!joins_components(map, loop)) return LoopReason::kNone;
-  if (is_out_of_reach(loop, map) || refutes_same_room(compare_components(map, loop, sensor)))
+  if (is_out_of_reach(loop, map) || refutes_same_room(compare_components(map, loop, situation.sensor)))
     return LoopReason::kDoesNotFit;
   return LoopReason::kNone;
 }
@@ -172,14 +172,13 @@ bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) co
   constexpr double kDriftPerMetre = 0.03;  // as in cycle_bound
   const auto is_beyond = [&](const LoopClosure& l, const Beginning& beginning) {
     const auto& [first_id, before] = beginning;
-    const Keyframe &a = map.keyframe(l.a), &b = map.keyframe(l.b), &first = map.keyframe(first_id);
-    if (first.component != b.component || map.keyframe(before.reference).component != a.component)
-      return false;
+    const Keyframe& first = map.keyframe(first_id);
+    const uint32_t from = map.keyframe(before.reference).component;
+    if (first.component != map.keyframe(l.b).component || from != map.keyframe(l.a).component) return false;
     const double travelled_m = travelled_distances(map, l.a)[before.reference.value];
     if (!std::isfinite(travelled_m)) return false;
-    const SE3 T_worlds = a.T_world_camera * l.T_a_b * b.T_world_camera.inverse();  // of a from that of b
-    return !can_reach(before, map, T_worlds * first.T_world_camera.translation, first.stamp_ns,
-                      kDriftPerMetre * travelled_m);
+    const Eigen::Vector3d p_world_a = T_world_a_world_b(map, l) * first.T_world_camera.translation;
+    return !can_reach(before, map, p_world_a, first.stamp_ns, kDriftPerMetre * travelled_m);
   };
   return std::any_of(beginnings_.begin(), beginnings_.end(), [&](const Beginning& beginning) {
     return is_beyond(loop, beginning) || is_beyond(inverse(loop), beginning);

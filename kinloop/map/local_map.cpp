@@ -5,6 +5,8 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "kinloop/map/observers.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -41,14 +43,6 @@ std::vector<LandmarkId> collect_landmarks(const Map& map, KeyframeId reference,
     }
   }
   return ids;
-}
-
-/// Whether a keyframe has measured the landmark's depth; otherwise it was triangulated.
-bool has_depth(const Map& map, const Landmark& landmark) {
-  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
-                     [&](const Observation& seen) {
-                       return map.keyframe(seen.keyframe).features->depths_m[seen.feature] > 0;
-                     });
 }
 
 /// Whether enough keyframes agree on where a landmark is. Two make a triangulated one agree with any error of
@@ -96,7 +90,7 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
     const Eigen::Vector3d towards_observer =
         T_reference_world * observer.T_world_camera.translation - p_reference;
     local_map.p_reference.push_back(p_reference);
-    local_map.has_depth.push_back(has_depth(map, landmark));
+    local_map.has_depth.push_back(has_measured_depth(landmark, map));
     local_map.confirmed.push_back(is_confirmed(landmark, local_map.has_depth.back()));
     local_map.viewing_directions.push_back(towards_observer.normalized());
     local_map.observed_distances_m.push_back(towards_observer.norm());

@@ -4,21 +4,17 @@
 #include <utility>
 #include <vector>
 
+#include "kinloop/map/observers.hpp"
 #include "kinloop/map/view_difference.hpp"
 #include "kinloop/mapping/landmark_creation.hpp"
 
 namespace kinloop {
 namespace {
 
-bool sees(const Landmark& landmark, KeyframeId keyframe) {
-  return std::any_of(landmark.observations.begin(), landmark.observations.end(),
-                     [&](const Observation& seen) { return seen.keyframe == keyframe; });
-}
-
 /// Whether some keyframe observes both, which proves that they are distinct.
 bool observed_together(const Landmark& a, const Landmark& b) {
   return std::any_of(a.observations.begin(), a.observations.end(),
-                     [&](const Observation& seen) { return sees(b, seen.keyframe); });
+                     [&](const Observation& seen) { return observes(seen.keyframe, b); });
 }
 
 /// The keyframes with the views most similar to this one's that share hardly any landmark with it: a camera
