@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "kinloop/core/time.hpp"
 
 namespace kinloop {
@@ -18,6 +20,14 @@ constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of un
 constexpr double kDefaultTurnRate_rad_s = 1.0;
 constexpr double kMaxAcceleration_m_s2 = 10;  // of a hand that holds a camera
 
+// Of the prior, learned on the simulated rooms 101 to 105 (docs/measurements.md#the-motion-before). The
+// velocity is a random walk, whose variance grows by this per second.
+constexpr double kRandomWalk_m2_s3 = 1, kRandomWalk_rad2_s3 = 5;
+// The landmarks of two frames are not the same, and have been adjusted in between (1 sigma).
+constexpr double kMapNoise_m = 1e-3, kMapNoise_rad = 5e-4;
+// The frames share the errors of their landmarks, so that a pose is less certain than its keypoints say.
+constexpr double kVarianceOfPoses = 10;  // times that of the keypoints
+
 /// Returns `value`, no farther than `max_change` from `before`.
 Eigen::Vector3d limited(const Eigen::Vector3d& value, const Eigen::Vector3d& before, double max_change) {
   const Eigen::Vector3d change = value - before;
@@ -32,6 +42,11 @@ Velocity limited(const Velocity& velocity, const Velocity& before, double durati
                   kTolerance_m / duration_s + kMaxAcceleration_m_s2 * duration_s),
           limited(velocity.angular_rad_s, before.angular_rad_s,
                   kTolerance_rad / duration_s + kMaxAcceleration_rad_s2 * duration_s)};
+}
+
+Vector6d per_axis(double translation, double rotation) {
+  return (Vector6d() << Eigen::Vector3d::Constant(translation), Eigen::Vector3d::Constant(rotation))
+      .finished();
 }
 
 }  // namespace
@@ -66,6 +81,54 @@ void MotionModel::update(const Velocity& velocity, int64_t duration_ns) {
         filtered(acceleration_noise_.rotation, velocity.angular_rad_s - velocity_->angular_rad_s);
   }
   velocity_ = velocity;
+  covariance_ = unknown_velocity();
+}
+
+void MotionModel::update(const Velocity& velocity, int64_t duration_ns, const Matrix6d& pose_covariance) {
+  const MotionCovariance predicted = predicted_covariance(to_seconds(duration_ns));
+  const auto of_pose = predicted.leftCols<6>();
+  const Matrix6d innovation = of_pose.topRows<6>() + kVarianceOfPoses * pose_covariance;
+  update(velocity, duration_ns);
+  covariance_ = predicted - of_pose * innovation.ldlt().solve(of_pose.transpose());
+}
+
+void MotionModel::reset() {
+  velocity_.reset();
+  covariance_ = unknown_velocity();
+}
+
+MotionModel::MotionCovariance MotionModel::unknown_velocity() {
+  const auto square = [](double value) { return value * value; };
+  MotionCovariance covariance = MotionCovariance::Zero();
+  covariance.diagonal() << per_axis(square(kMapNoise_m), square(kMapNoise_rad)),
+      per_axis(square(kDefaultSpeed_m_s), square(kDefaultTurnRate_rad_s));
+  return covariance;
+}
+
+/// The covariance after a time in which the acceleration is white noise.
+MotionModel::MotionCovariance MotionModel::predicted_covariance(double duration_s) const {
+  MotionCovariance transition = MotionCovariance::Identity();
+  transition.topLeftCorner<6, 6>() = SE3::exp(-duration_s * velocity().vector()).adjoint();
+  transition.topRightCorner<6, 6>().diagonal().setConstant(duration_s);
+  MotionCovariance covariance = transition * covariance_ * transition.transpose();
+  const Vector6d walk = per_axis(kRandomWalk_m2_s3, kRandomWalk_rad2_s3);
+  covariance.diagonal().head<6>() +=
+      std::pow(duration_s, 3) / 3 * walk + per_axis(kMapNoise_m, kMapNoise_rad).cwiseAbs2();
+  covariance.topRightCorner<6, 6>().diagonal() += duration_s * duration_s / 2 * walk;
+  covariance.bottomLeftCorner<6, 6>().diagonal() += duration_s * duration_s / 2 * walk;
+  covariance.diagonal().tail<6>() += duration_s * walk;
+  return covariance;
+}
+
+std::optional<MotionPrior> MotionModel::prior(const SE3& T_reference_previous, int64_t duration_ns) const {
+  constexpr int64_t kMaxDuration_ns = 150'000'000;  // hand motion is smooth for as long
+  if (duration_ns < kMinVelocityInterval_ns || duration_ns > kMaxDuration_ns) return std::nullopt;
+  const double duration_s = to_seconds(duration_ns);
+  const MotionCovariance covariance = predicted_covariance(duration_s);
+  const Matrix6d information = covariance.topLeftCorner<6, 6>().ldlt().solve(Matrix6d::Identity());
+  return MotionPrior{{T_reference_previous * SE3::exp(duration_s * velocity().vector()), velocity()},
+                     kVarianceOfPoses * information,
+                     covariance.bottomLeftCorner<6, 6>() * information};
 }
 
 PredictedPose MotionModel::predict(int64_t duration_ns) const {

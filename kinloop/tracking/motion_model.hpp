@@ -1,10 +1,12 @@
 #pragma once
-// Prediction of the camera pose with its uncertainty.
+// Prediction of the camera pose with its uncertainty. In the direction that the landmarks of a frame leave
+// open the motion before decides, as in a Kalman filter whose acceleration is white noise.
 
 #include <cstdint>
 #include <optional>
 
 #include "kinloop/geometry/velocity.hpp"
+#include "kinloop/optimize/pose/moving_pose.hpp"
 
 namespace kinloop {
 
@@ -32,8 +34,15 @@ class MotionModel {
   /// Updates the model with the velocity of a frame, `duration_ns` after the previous one.
   void update(const Velocity& velocity, int64_t duration_ns);
 
+  /// The same for a frame whose pose landmarks determine with `pose_covariance`.
+  void update(const Velocity& velocity, int64_t duration_ns, const Matrix6d& pose_covariance);
+
+  /// Returns what the motion up to the previous frame says of the frame `duration_ns` later; nullopt if that
+  /// is too short or too long a time.
+  [[nodiscard]] std::optional<MotionPrior> prior(const SE3& T_reference_previous, int64_t duration_ns) const;
+
   /// Resets the velocity to unknown, after tracking loss.
-  void reset() { velocity_.reset(); }
+  void reset();
 
   /// Predicts the motion T_previous_current over `duration_ns`; identity if the velocity is unknown. The
   /// velocity is extrapolated for a short time only, since hand motion reverses within a longer gap.
@@ -49,8 +58,15 @@ class MotionModel {
     double rotation = 1.0;     // (rad/s)^2 / s
   };
 
+  /// Covariance of (pose; velocity) of a frame.
+  using MotionCovariance = Eigen::Matrix<double, 12, 12>;
+
+  [[nodiscard]] static MotionCovariance unknown_velocity();
+  [[nodiscard]] MotionCovariance predicted_covariance(double duration_s) const;
+
   std::optional<Velocity> velocity_;  // constant twist
   AccelerationNoise acceleration_noise_;
+  MotionCovariance covariance_ = unknown_velocity();
 };
 
 }  // namespace kinloop

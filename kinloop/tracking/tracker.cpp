@@ -7,6 +7,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/direct/direct_tracking.hpp"
@@ -287,6 +288,7 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
     const ScopedTimer timer(timings_, "features");
     frame.features = front_end_.features(frame);
   }
+  const auto measured = frame.features;
   frame = deskewed(std::move(frame), sensor, tracked.velocity);
   const ScopedTimer timer(timings_, "tracking");
   TrackedFrame rematched = track_local_map({frame, local_map_, sensor, options_.tracking},
@@ -294,6 +296,7 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   rematched.evidence.attempts = 1;
   rematched.evidence.with_depth = count_with_depth(rematched.matches, local_map_);
   rematched.velocity = tracked.velocity;
+  move_as_before(rematched, *measured, sensor);
   rematched.evidence.surfaces = tracked.evidence.surfaces;
   rematched.evidence.moved_share = tracked.evidence.moved_share;
   rematched.evidence.fixed_share = tracked.evidence.fixed_share;
@@ -322,6 +325,7 @@ TrackedFrame Tracker::start_map_or_lose(const Frame& frame) const {
 /// it.
 TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const {
   tracked.velocity = velocity_of(tracked);
+  move_as_before(tracked, *measured.features, sensor);
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
@@ -386,6 +390,28 @@ Velocity Tracker::velocity_of(const TrackedFrame& tracked) const {
   if (!follows_previous(tracked)) return {};
   return motion_.velocity_of(previous_->T_reference_camera.inverse() * tracked.T_reference_camera,
                              tracked.stamp_ns - previous_->stamp_ns);
+}
+
+/// Where the landmarks leave the pose uncertain, lets the motion before decide; likewise the velocity. Both
+/// are estimated from the keypoints as they were measured.
+void Tracker::move_as_before(TrackedFrame& tracked, const Features& measured, const Sensor& sensor) const {
+  if (!tracked.is_tracked_by_landmarks() || !follows_previous(tracked) ||
+      tracked.reference != local_map_.reference || previous_->reference != local_map_.reference)
+    return;
+  const auto prior = motion_.prior(previous_->T_reference_camera, tracked.stamp_ns - previous_->stamp_ns);
+  if (!prior) return;
+  std::vector<PoseObservation> observations;
+  for (const auto& [landmark, feature] : tracked.matches) {
+    const auto known = local_map_.index_of.find(landmark);
+    if (known == local_map_.index_of.end()) continue;
+    observations.push_back(
+        {raw_measurement(measured, feature, sensor.camera.height), local_map_.p_reference[known->second]});
+  }
+  const auto found =
+      solve_moving_pose(sensor, observations, tracked.T_reference_camera, *prior, options_.tracking.pose);
+  if (!found) return;
+  tracked.T_reference_camera = found->T_world_camera;
+  tracked.velocity = found->velocity;
 }
 
 /// Returns the frame as an ideal global-shutter camera would have measured it, given its motion.
@@ -473,7 +499,12 @@ void Tracker::keep_recent(const TrackedFrame& latest) {
 /// Stores what the next frame needs. After a loss this is the last frame with a pose.
 void Tracker::remember(const TrackedFrame& latest) {
   if (follows_previous(latest)) {
-    motion_.update(latest.velocity, latest.stamp_ns - previous_->stamp_ns);
+    const int64_t duration_ns = latest.stamp_ns - previous_->stamp_ns;
+    if (latest.is_tracked_by_landmarks()) {
+      motion_.update(latest.velocity, duration_ns, latest.covariance);
+    } else {
+      motion_.update(latest.velocity, duration_ns);
+    }
   } else {
     motion_.reset();
   }

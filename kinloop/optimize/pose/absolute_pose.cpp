@@ -17,16 +17,6 @@ BundleView static_view(const SE3& T_reference_camera) {
   return {T_reference_camera, Velocity{}};
 }
 
-CameraObservations blocks_of(std::span<const PoseObservation> observations) {
-  CameraObservations blocks(observations.size());
-  for (size_t i = 0; i < observations.size(); ++i) {
-    const PoseObservation& o = observations[i];
-    if (!o.p_reference.allFinite() || !o.pixel.allFinite() || !(o.sigma_px > 0)) continue;
-    blocks.set(i, o.p_reference, o);
-  }
-  return blocks;
-}
-
 void add_prior(PoseNormal<6>& normal, const PosePrior& prior, const SE3& T) {
   const Vector6d off = (prior.T_reference_camera.inverse() * T).log();
   normal.H += prior.information;
@@ -39,7 +29,7 @@ class Solver {
   Solver(const Sensor& sensor, std::span<const PoseObservation> observations,
          const AbsolutePoseOptions& options, const std::optional<PosePrior>& prior)
       : sensor_(without_corrections(sensor)),
-        observations_(blocks_of(observations)),
+        observations_(observations_of(observations)),
         options_(options),
         prior_(prior) {}
 

@@ -111,4 +111,14 @@ CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
   return normal;
 }
 
+CameraObservations observations_of(std::span<const PoseObservation> observations) {
+  CameraObservations result(observations.size());
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const PoseObservation& o = observations[i];
+    if (!o.p_reference.allFinite() || !o.pixel.allFinite() || !(o.sigma_px > 0)) continue;
+    result.set(i, o.p_reference, o);
+  }
+  return result;
+}
+
 }  // namespace kinloop

@@ -2,11 +2,13 @@
 // Observations of given points by one camera, shared by the single-pose solvers.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "kinloop/optimize/kernels/observation_block.hpp"
+#include "kinloop/optimize/pose/absolute_pose.hpp"
 #include "kinloop/sensor/keypoint_measurement.hpp"
 
 namespace kinloop {
@@ -60,5 +62,8 @@ class CameraObservations {
   size_t count_;
   std::vector<ObservationBlock> blocks_;
 };
+
+/// Returns the observations of a camera. Those with values that are not finite stay unused.
+CameraObservations observations_of(std::span<const PoseObservation> observations);
 
 }  // namespace kinloop

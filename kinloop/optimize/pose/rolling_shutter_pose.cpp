@@ -15,12 +15,9 @@ class RollingShutterSolver {
  public:
   RollingShutterSolver(const Sensor& sensor, std::span<const PoseObservation> observations,
                        const Velocity& prior, const VelocitySigma& sigma, const AbsolutePoseOptions& options)
-      : sensor_(sensor), observations_(observations.size()), prior_(prior), options_(options) {
+      : sensor_(sensor), observations_(observations_of(observations)), prior_(prior), options_(options) {
     information_ << Eigen::Vector3d::Constant(1 / (sigma.m_s * sigma.m_s)),
         Eigen::Vector3d::Constant(1 / (sigma.rad_s * sigma.rad_s));
-    for (size_t i = 0; i < observations.size(); ++i) {
-      observations_.set(i, observations[i].p_reference, observations[i]);
-    }
   }
 
   /// Classifies inliers and outliers; true if anything changed.
