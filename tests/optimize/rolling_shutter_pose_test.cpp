@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/random.hpp"
-#include "tests/optimize/synthetic_view.hpp"
+#include "tests/optimize/moving_view.hpp"
 #include "tests/support/random_vectors.hpp"
 
 namespace kinloop {
@@ -11,48 +11,17 @@ namespace {
 
 using test::error_of;
 using test::kinect;
-using test::make_view;
 using test::random_motion;
 
-SensorVector rolling_sensor() {
-  SensorVector sensor = SensorVector::Zero();
-  sensor(kRollingShutter) = 0.03;
-  sensor(kDepthDelay) = 0.015;
-  sensor(kDepthShutter) = 0.03;
-  return sensor;
-}
-
-/// Simulates points measured by a moving rolling-shutter camera.
-std::vector<PoseObservation> observe(const RollingShutterPose& truth, const SensorVector& sensor, int count,
-                                     double sigma_px, Random& random) {
-  std::vector<PoseObservation> observations;
-  for (const auto& still : make_view(truth.T_world_camera, count, {}, random)) {
-    PoseObservation o;
-    o.p_reference = still.p_reference;
-    o.row = still.pixel.y() / kinect().height - 0.5;
-    const SE3 T_color = propagate_pose(truth.T_world_camera, truth.velocity, sensor(kRollingShutter) * o.row);
-    o.depth_stamp_difference_s = sensor.isZero(0) ? 0 : -0.012;
-    const double depth_s = o.depth_stamp_difference_s + sensor(kDepthDelay) + sensor(kDepthShutter) * o.row;
-    const SE3 T_depth = propagate_pose(truth.T_world_camera, truth.velocity, depth_s);
-    o.pixel =
-        kinect().project(T_color.inverse() * o.p_reference) + sigma_px * test::gaussian_vector<2>(random);
-    if (still.depth_m > 0) o.depth_m = (T_depth.inverse() * o.p_reference).z();
-    observations.push_back(o);
-  }
-  return observations;
-}
-
-RollingShutterPose random_moving_pose(Random& random) {
-  RollingShutterPose pose{random_motion(random, 1.0, 1.0), {}};
-  pose.velocity = {test::random_vector(random, 0.5), test::random_vector(random, 1.0)};
-  return pose;
-}
+using test::observe_moving;
+using test::random_moving_pose;
+using test::rolling_sensor;
 
 TEST(RollingShutterPose, FindsPoseAndVelocityWithoutNoise) {
   Random random(1);
   for (int trial = 0; trial < 10; ++trial) {
     const RollingShutterPose truth = random_moving_pose(random);
-    const auto observations = observe(truth, rolling_sensor(), 150, 0, random);
+    const auto observations = observe_moving(truth, rolling_sensor(), 150, 0, random);
     const RollingShutterPose guess{truth.T_world_camera * random_motion(random, 0.02, 0.01), Velocity{}};
     const VelocitySigma unknown{100, 100};
     const auto found =
@@ -68,7 +37,7 @@ TEST(RollingShutterPose, RefinesAnApproximateVelocity) {
   double before = 0, after = 0;
   for (int trial = 0; trial < 20; ++trial) {
     const RollingShutterPose truth = random_moving_pose(random);
-    const auto observations = observe(truth, rolling_sensor(), 200, 0.7, random);
+    const auto observations = observe_moving(truth, rolling_sensor(), 200, 0.7, random);
     RollingShutterPose guess = truth;
     Vector6d off;
     for (double& x : off) x = 0.1 * random.gaussian();
@@ -91,7 +60,7 @@ TEST(RollingShutterPose, CovarianceFollowsFromTheResiduals) {
     noise.inlier_chi2_pixel = 1e12;
     for (int trial = 0; trial < kTrials; ++trial) {
       const RollingShutterPose truth = random_moving_pose(random);
-      const auto observations = observe(truth, rolling_sensor(), 300, noise_px, random);
+      const auto observations = observe_moving(truth, rolling_sensor(), 300, noise_px, random);
       const VelocitySigma unknown{100, 100};
       const auto found = solve_rolling_shutter_pose(Sensor{kinect(), noise, rolling_sensor()}, observations,
                                                     truth, unknown, {});
@@ -108,7 +77,7 @@ TEST(RollingShutterPose, CovarianceFollowsFromTheResiduals) {
 TEST(RollingShutterPose, IgnoresOutliers) {
   Random random(3);
   const RollingShutterPose truth = random_moving_pose(random);
-  auto observations = observe(truth, rolling_sensor(), 200, 0, random);
+  auto observations = observe_moving(truth, rolling_sensor(), 200, 0, random);
   for (size_t i = 0; i < 60; ++i) observations[i].pixel += Eigen::Vector2d(40 + random.uniform(), -25);
   const auto found =
       solve_rolling_shutter_pose(Sensor{kinect(), {}, rolling_sensor()}, observations, truth, {}, {});
@@ -119,7 +88,7 @@ TEST(RollingShutterPose, IgnoresOutliers) {
 TEST(RollingShutterPose, VelocityIsUnobservableWithAnIdealSensor) {
   Random random(4);
   const RollingShutterPose truth{random_motion(random, 1.0, 1.0), Velocity{}};
-  const auto observations = observe(truth, SensorVector::Zero(), 100, 0.5, random);
+  const auto observations = observe_moving(truth, SensorVector::Zero(), 100, 0.5, random);
   RollingShutterPose guess = truth;
   guess.velocity = Velocity::from_vector(Vector6d::Constant(0.3));
   const auto found = solve_rolling_shutter_pose(test::kinect_sensor(), observations, guess, {}, {});
@@ -130,7 +99,7 @@ TEST(RollingShutterPose, VelocityIsUnobservableWithAnIdealSensor) {
 TEST(RollingShutterPose, TooFewInliersGiveNoSolution) {
   Random random(5);
   const RollingShutterPose truth = random_moving_pose(random);
-  auto observations = observe(truth, rolling_sensor(), 10, 0, random);
+  auto observations = observe_moving(truth, rolling_sensor(), 10, 0, random);
   for (size_t i = 0; i < 6; ++i) {
     observations[i].pixel = test::uniform_vector<2>(random, {0, 0}, {640, 480});
   }

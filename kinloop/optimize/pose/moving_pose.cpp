@@ -37,10 +37,12 @@ std::optional<RollingShutterPose> solve_moving_pose(const Sensor& sensor,
                                                     const SE3& guess, const MotionPrior& prior,
                                                     const AbsolutePoseOptions& options) {
   constexpr int kRounds = 2;  // the outliers are known from the solution without a prior
-  CameraObservations used = observations_of(observations);
+  const CameraObservations all = observations_of(observations);
+  CameraObservations used = all;
   SE3 T = guess;
   const auto classify = [&] { return used.classify({T, prior.velocity_at(T)}, sensor); };
   classify();
+  if (used.inlier_count() < options.min_inliers) used = all;  // the guess is far off
   for (int round = 0; round < kRounds; ++round) {
     T = minimize_pose<6>(
         T, options.max_iterations, [&](const SE3& at) { return linearize(at, used, sensor, prior); },
