@@ -104,6 +104,7 @@ export class View {
     const { camera } = this.cameraControls;
     uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
     uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(this.share));
+    uniforms.lit.value = this.shades ? 1 : 0;
     this.world.clipTo(this.drawnBox());
     this.world.thin(this.share);
     this.shaded = this.shades && this.shadesMoving;
