@@ -1,6 +1,6 @@
 // The map as three.js objects, updated message by message.
 
-import { Box3, Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
+import { Box3, Group, Layers, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
 import { FAR_M, sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
@@ -20,6 +20,7 @@ const KEYFRAME_SIZE_M = 0.06;
 const CAMERA_SIZE_M = 0.16;
 const ERROR_SHARE = 0.1; // of the path's extent that the longest error arrow has at most
 const OWN_WORLD = new Matrix4();
+const SHOWN = new Layers().mask; // of an object that the camera sees
 
 export class World {
   constructor() {
@@ -351,9 +352,11 @@ export class World {
     return [...this.pieces.values()].reduce((sum, { object }) => sum + object.userData.count, 0);
   }
 
-  /** Draws that share of all points. */
-  thin(share) {
+  /** Draws that share of all points, and beside them the mesh that grows only if `all`. */
+  thin(share, all) {
     for (const { object } of this.pieces.values()) thinPiece(object, share);
+    const withMesh = all || !this.layers.cloud.visible;
+    for (const { object } of this.meshPieces.values()) object.layers.mask = withMesh ? SHOWN : 0;
   }
 }
 
