@@ -205,7 +205,10 @@ TEST_F(RunSceneTest, TheWholeMeshIsThereAfterTheEnd) {
   for (int i = 0; i < 7; ++i) run_.frame();
   update();
   feed_.on_finish(FrameLog(3), run_.map());
-  for (int i = 0; i < 20; ++i) update();
+  for (int i = 0; i < 100; ++i) {
+    update();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   EXPECT_FALSE(test::parts(scene_, PartKind::kMeshPiece).empty());
   const uint64_t newest = test::parts(scene_, PartKind::kMeshPiece).back().version;
   update();

@@ -1,5 +1,7 @@
 #include "viewer/scene/incremental_mesh.hpp"
 
+#include <algorithm>
+
 #include "kinloop/dense/undistorted_images.hpp"
 #include "kinloop/tracking/front_end.hpp"
 
@@ -21,17 +23,24 @@ IncrementalMesh::IncrementalMesh(const PinholeCamera& camera, const ViewerOption
 
 void IncrementalMesh::add(const std::deque<MeshFrame>& frames) {
   queue_.insert(queue_.end(), frames.begin(), frames.end());
-  while (queue_.size() > kMaxQueuedFrames) queue_.pop_front();
+  while (queue_.size() > kMaxQueuedFrames) drop_oldest();
+}
+
+void IncrementalMesh::drop_oldest() {
+  const auto between =
+      std::ranges::find_if(queue_, [](const MeshFrame& frame) { return !frame.is_keyframe; });
+  queue_.erase(between == queue_.end() ? queue_.begin() : between);
 }
 
 std::vector<MeshPiece> IncrementalMesh::update(std::span<const SE3> T_world_keyframe,
                                                const DenseCamera& camera, bool finished) {
   mesh_.correct(T_world_keyframe);
-  if (is_ready(T_world_keyframe.size(), finished)) {
+  auto changed = mesh_.take_changed(kMaxPieces, finished && queue_.empty());
+  if (changed.empty() && is_ready(T_world_keyframe.size(), finished)) {
     fuse(queue_.front(), camera);
     queue_.pop_front();
   }
-  return mesh_.take_changed(kMaxPieces, finished && queue_.empty());
+  return changed;
 }
 
 /// Whether the first queued frame is to be fused in a map of so many keyframes.

@@ -19,18 +19,19 @@ struct MeshFrame {
   SE3 T_reference_camera;
   Velocity velocity;  ///< at the stamp
   cv::Mat moved;      ///< see TrackedFrame::moved
+  bool is_keyframe = false;
 };
 
 class IncrementalMesh {
  public:
   IncrementalMesh(const PinholeCamera& camera, const ViewerOptions& options);
 
-  /// Queues frames. Beyond a limit the oldest are dropped.
+  /// Queues frames. Beyond a limit the oldest are dropped, keyframes last.
   void add(const std::deque<MeshFrame>& frames);
 
-  /// Fuses at most one of the queued frames and returns at most kMaxPieces changed pieces, so that a call
-  /// does not take long. `camera` as the poses were estimated with. A frame waits until the poses around it
-  /// have been adjusted, unless the run is `finished`.
+  /// Returns at most kMaxPieces changed pieces or, if there are none, fuses one of the queued frames, so that
+  /// a call does not take long. `camera` as the poses were estimated with. A frame waits until the poses
+  /// around it have been adjusted, unless the run is `finished`.
   std::vector<MeshPiece> update(std::span<const SE3> T_world_keyframe, const DenseCamera& camera,
                                 bool finished);
 
@@ -41,9 +42,10 @@ class IncrementalMesh {
 
  private:
   static constexpr size_t kMaxQueuedFrames = 32;
-  static constexpr size_t kMaxPieces = 32;
+  static constexpr size_t kMaxPieces = 16;
 
   [[nodiscard]] bool is_ready(size_t keyframes, bool finished) const;
+  void drop_oldest();
   void fuse(const MeshFrame& queued, const DenseCamera& camera);
 
   ViewerOptions options_;

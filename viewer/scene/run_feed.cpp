@@ -25,7 +25,7 @@ FrameEvent event_of(const TrackedFrame& tracked, int inliers) {
 
 MeshFrame mesh_frame_of(const TrackedFrame& tracked) {
   if (tracked.keyframe.valid())
-    return {tracked.frame, tracked.keyframe, SE3(), tracked.velocity, tracked.moved};
+    return {tracked.frame, tracked.keyframe, SE3(), tracked.velocity, tracked.moved, true};
   return {tracked.frame, tracked.reference, tracked.T_reference_camera, tracked.velocity, tracked.moved};
 }
 
