@@ -6,7 +6,6 @@
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/color_gains.hpp"
 #include "kinloop/dense/cloud/surface_normals.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
 #include "kinloop/tracking/front_end.hpp"
 
 namespace kinloop {
@@ -32,14 +31,6 @@ DenseOptions within_range(DenseOptions options, const DepthSensor& sensor) {
   return options;
 }
 
-/// The depth of a frame without what moves, which would leave a trail in the cloud.
-cv::Mat depth_at_rest_m(const TrackedFrame& tracked) {
-  const Frame& frame = *tracked.frame;
-  if (tracked.moved.empty()) return frame.depth_m;
-  return mask_images(frame, unmarked_pixels(*frame.surfaces->camera, tracked.moved, frame.depth_m.size()))
-      .depth_m;
-}
-
 }  // namespace
 
 DenseRecorder::DenseRecorder(const RgbdCamera& camera, const DenseOptions& options,
@@ -58,7 +49,7 @@ void DenseRecorder::on_frame(const TrackedFrame& tracked) {
   if (!tracked.is_lost()) {
     ++frames_, ++frames_since_recorded_;
     if (should_record(tracked)) {
-      pending_.push_back({tracked.id, tracked.frame->color, depth_at_rest_m(tracked)});
+      pending_.push_back({tracked.id, tracked.frame->color, depth_at_rest_m(*tracked.frame, tracked.moved)});
       frames_since_recorded_ = 0;
     }
   }

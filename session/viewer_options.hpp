@@ -9,6 +9,7 @@ namespace kinloop {
 /// What of a run is shown, and how finely.
 struct ViewerOptions {
   double voxel_m = 0.015;
+  bool mesh = true;
   double image_rate_hz = 10;
   int image_width_px = 320;
   int jpeg_quality = 80;
@@ -17,7 +18,9 @@ struct ViewerOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("voxel_m", self.voxel_m, "voxel size of the live cloud, metres", Range{0.002, 0.5});
+    visit("voxel_m", self.voxel_m, "voxel size of the live cloud and of the live mesh, metres",
+          Range{0.002, 0.5});
+    visit("mesh", self.mesh, "whether a mesh is made during the run, for the viewer");
     visit("image_rate_hz", self.image_rate_hz, "camera images per second while a browser is connected",
           Range{0.1, 60});
     visit("image_width_px", self.image_width_px, "width of the camera images", Range{32, 1920}, Expert{});

@@ -25,6 +25,11 @@ void LiveViewer::set_hints(std::vector<std::string> hints) {
   state_.hints = std::move(hints);
 }
 
+void LiveViewer::set_sensor(const SensorEstimate& sensor) {
+  const std::lock_guard lock(mutex_);
+  state_.sensor = sensor;
+}
+
 void LiveViewer::update(Scene& scene, size_t browsers) {
   if (!run_scene_) run_scene_.emplace(scene, info_);
   RunState state;

@@ -39,6 +39,9 @@ class LiveViewer {
   /// Shows the final path.
   void finish(std::span<const TrackedFrame> log, const Map& map) { feed_.on_finish(log, map); }
 
+  /// Sets what is known of the sensor, as it was estimated along with the poses.
+  void set_sensor(const SensorEstimate& sensor);
+
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }
 

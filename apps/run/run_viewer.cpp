@@ -77,10 +77,11 @@ std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const Vie
   auto shown = std::make_unique<RunViewer>(parse_listen_address(listen), std::move(shown_info));
   session.add_listener(shown->viewer.listener());
   shown->wait_until_resumed = [&viewer = shown->viewer, &input = session.input(), &doctor = session.doctor(),
-                               save_now, told = size_t{0}]() mutable {
+                               &slam = session.slam(), save_now, told = size_t{0}]() mutable {
     if (input.warnings().size() != told) show_warnings(viewer, input);
     told = input.warnings().size();
     viewer.set_hints(hints_of(doctor));
+    viewer.set_sensor(slam.sensor_estimate());
     handle_pause_and_save(viewer, save_now);
   };
   log::info("viewer at {}", shown->viewer.url());

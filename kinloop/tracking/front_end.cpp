@@ -4,6 +4,7 @@
 #include "kinloop/features/extractor.hpp"
 #include "kinloop/features/image_octaves.hpp"
 #include "kinloop/sensor/mask.hpp"
+#include "kinloop/sensor/surface_mask.hpp"
 
 namespace kinloop {
 namespace {
@@ -49,6 +50,11 @@ Frame mask_images(Frame frame, const cv::Mat& mask) {
   frame.depth_m = masked_depth(frame.depth_m, mask);
   frame.features = nullptr;
   return frame;
+}
+
+cv::Mat depth_at_rest_m(const Frame& frame, const cv::Mat& moved) {
+  if (moved.empty()) return frame.depth_m;
+  return masked_depth(frame.depth_m, unmarked_pixels(*frame.surfaces->camera, moved, frame.depth_m.size()));
 }
 
 Frame FrontEnd::scale_depth(Frame frame, double factor) const {

@@ -48,4 +48,8 @@ class FrontEnd {
 /// 0, but with all of its surfaces.
 Frame mask_images(Frame frame, const cv::Mat& mask);
 
+/// Returns the depth of a prepared frame without the points of its surface grid that are marked in `moved`,
+/// see TrackedFrame::moved: what moves would leave a trail in a dense map.
+cv::Mat depth_at_rest_m(const Frame& frame, const cv::Mat& moved);
+
 }  // namespace kinloop

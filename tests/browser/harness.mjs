@@ -95,6 +95,7 @@ export function seen(page) {
     const eye = view.cameraControls.camera.position.toArray();
     return {
       points: world.pointCount,
+      meshPieces: world.meshPieces.size,
       keyframes: world.poses.count,
       loops: world.loops.length / 2,
       path: world.lines.path.object.geometry.drawRange.count,

@@ -9,6 +9,15 @@ import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const WAITING = ['--set', 'viewer.paused=true', '--set', 'sim.width=320', '--set', 'sim.height=240'];
 const FEW_FRAMES = 60;
+const meshPieces = (page) =>
+  page.evaluate(() => {
+    const { world } = window.kinloop;
+    return [...world.meshPieces].map(([index, { object, anchor }]) => {
+      const [matrix, pose] = [object.matrix, world.poses.at(anchor)];
+      const atAnchor = pose && matrix.equals(pose.clone().multiply(object.userData.toAnchor));
+      return { index, id: object.uuid, at: matrix.elements.slice(12, 15), atAnchor };
+    });
+  });
 const frame = ({ facts }) => Number(facts.match(/frame\s+(\d+)/)?.[1]);
 
 // Tests that need a paused run come first: with slow rendering, a run may be over before the page can pause
@@ -77,6 +86,20 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await advise([]);
   assert.equal(await page.isVisible('#hints'), false, 'they end');
 
+  // There is a mesh beside the cloud, with a checkbox and a key.
+  await until(async () => (await seen(page)).meshPieces > 5, 'a mesh grows');
+  await shoot(page, 'live-mesh');
+  await page.uncheck('[data-layer=cloud]');
+  await until(async () => (await paintedPixels(page, '#scene')) > 5000, 'the mesh is painted');
+  await shoot(page, 'live-mesh-alone');
+  const withMesh = await paintedPixels(page, '#scene');
+  await page.uncheck('[data-layer=mesh]');
+  await until(async () => (await paintedPixels(page, '#scene')) < withMesh / 2, 'it is hidden');
+  await page.keyboard.press('d');
+  const shown = ['cloud', 'mesh'].map((layer) => page.isChecked(`[data-layer=${layer}]`));
+  assert.deepEqual(await Promise.all(shown), [true, true], 'D shows both');
+  await page.focus('#scene'); // on a checkbox, the space bar toggles it
+
   // The run continues: the cloud grows, the camera moves, images arrive.
   const before = await seen(page);
   await page.keyboard.press(' ');
@@ -88,6 +111,8 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   for (const picture of ['#scene', '#colorImage', '#depthImage']) {
     await until(async () => (await paintedPixels(page, picture)) > 5000, `${picture} is painted`);
   }
+
+  const early = await meshPieces(page);
 
   // The viewpoint follows the camera, and the colours change.
   await page.check('[name=camera][value=follow]');
@@ -105,6 +130,12 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await page.keyboard.press('Escape');
   assert.ok(await page.evaluate(() => window.kinloop.world.has('loops')), 'its edge stays');
   await shoot(page, 'live-loop');
+
+  // The mesh follows the correction: pieces that were not sent again have moved with their keyframes.
+  const idOf = new Map(early.map(({ id, at }) => [id, at]));
+  const moved = ({ id, at }) => idOf.has(id) && Math.hypot(...at.map((x, i) => x - idOf.get(id)[i])) > 0.001;
+  await until(async () => (await meshPieces(page)).some(moved), 'the mesh is corrected');
+  await until(async () => (await meshPieces(page)).every(({ atAnchor }) => atAnchor), 'pieces are at their keyframes');
 
   assert.equal(await run.ended, 0, run.text);
   await until(async () => (await seen(page)).message.includes('closed'), 'the page reports that the connection is lost');

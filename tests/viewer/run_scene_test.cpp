@@ -15,6 +15,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/viewer/scene_parts.hpp"
 #include "viewer/run_control.hpp"
 #include "viewer/saved_run.hpp"
 
@@ -42,6 +43,8 @@ Frame wall_frame(uint32_t id) {
   features->raw_pixels = features->pixels = {{80, 60}};
   features->depths_m = {2};
   frame.features = features;
+  frame.surfaces = std::make_shared<const SurfaceGrid>(
+      make_surface_grid(make_surface_camera(make_sensor(small_camera())), frame.depth_m));
   return frame;
 }
 
@@ -50,9 +53,12 @@ class FakeRun {
  public:
   explicit FakeRun(RunFeed& feed) : feed_(feed) {}
 
-  void frame(TrackingOutcome outcome = TrackingOutcome::kTracked, bool doubtful = false) {
+  /// `moved`: see TrackedFrame::moved.
+  void frame(TrackingOutcome outcome = TrackingOutcome::kTracked, bool doubtful = false,
+             const cv::Mat& moved = {}) {
     const Frame frame = wall_frame(next_++);
     TrackedFrame tracked = unlocated(frame);
+    tracked.moved = moved;
     tracked.outcome = outcome;
     tracked.doubtful = doubtful;
     tracked.frame = std::make_shared<const Frame>(frame);
@@ -158,6 +164,88 @@ TEST_F(RunSceneTest, AMapCorrectionSendsOnlyPoses) {
   EXPECT_EQ(part(PartKind::kCloud, 0)->version, cloud->version);
   EXPECT_EQ(part(PartKind::kPath, 0)->version, path->version);
   EXPECT_EQ(part(PartKind::kKeyframes, 1)->version, later->version);  // 36 unchanged keyframes
+}
+
+TEST_F(RunSceneTest, AMapCorrectionMovesTheMeshByPosesAlone) {
+  for (int i = 0; i < 40; ++i) {
+    run_.frame();
+    update();
+  }
+  const auto before = test::parts(scene_, PartKind::kMeshPiece);
+  ASSERT_FALSE(before.empty());
+  MapUpdate bend;
+  for (uint32_t i = 0; i < 20; ++i)
+    bend.T_world_camera.emplace_back(KeyframeId{i}, SE3{Eigen::Quaterniond::Identity(), {1, 2, 3}});
+  bend.newest_keyframe = KeyframeId{19};
+  ASSERT_TRUE(run_.map().apply(bend));
+  feed_.on_map(run_.map());
+  update();
+  const auto after = test::parts(scene_, PartKind::kMeshPiece);
+  ASSERT_EQ(after.size(), before.size());
+  for (size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after[i].version, before[i].version);
+}
+
+TEST_F(RunSceneTest, OfTheMeshOnlyPiecesThatChangedAreSent) {
+  for (int i = 0; i < 40; ++i) {
+    run_.frame();
+    update();
+  }
+  const auto before = test::parts(scene_, PartKind::kMeshPiece);
+  run_.frame();
+  run_.frame();  // 5 cm further: what is behind the camera by 1 m stays as it is
+  update();
+  const auto after = test::parts(scene_, PartKind::kMeshPiece);
+  const uint64_t newest = before.back().version;
+  const auto sent =
+      std::ranges::count_if(after, [&](const ScenePart& part) { return part.version > newest; });
+  EXPECT_LT(static_cast<size_t>(sent), after.size());
+}
+
+TEST_F(RunSceneTest, TheWholeMeshIsThereAfterTheEnd) {
+  for (int i = 0; i < 7; ++i) run_.frame();
+  update();
+  feed_.on_finish(FrameLog(3), run_.map());
+  for (int i = 0; i < 100; ++i) {
+    update();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_FALSE(test::parts(scene_, PartKind::kMeshPiece).empty());
+  const uint64_t newest = test::parts(scene_, PartKind::kMeshPiece).back().version;
+  update();
+  EXPECT_EQ(test::parts(scene_, PartKind::kMeshPiece).back().version, newest);
+}
+
+TEST_F(RunSceneTest, WithoutTheOptionThereIsNoMesh) {
+  ViewerOptions options = options_;
+  options.mesh = false;
+  Scene scene("run");
+  RunScene run_scene(scene, {"sequence", 10, small_camera(), {}, options});
+  for (int i = 0; i < 40; ++i) {
+    run_.frame();
+    run_scene.update(feed_.take(), {}, true);
+  }
+  EXPECT_TRUE(test::parts(scene, PartKind::kMeshPiece).empty());
+  EXPECT_FALSE(test::parts(scene, PartKind::kCloud).empty());
+}
+
+TEST_F(RunSceneTest, WhatMovesIsInNeitherCloudNorMesh) {
+  const PinholeCamera grid = wall_frame(0).surfaces->camera->grid;
+  cv::Mat moved(grid.height, grid.width, CV_8UC1, cv::Scalar(0));
+  moved.colRange(0, grid.width / 2) = 255;  // the red half
+  for (int i = 0; i < 40; ++i) {
+    run_.frame(TrackingOutcome::kTracked, false, moved);
+    update();
+  }
+  for (const PartKind kind : {PartKind::kCloud, PartKind::kMeshPiece}) {
+    const auto found = test::parts(scene_, kind);
+    ASSERT_FALSE(found.empty());
+    for (const ScenePart& part : found) {
+      uint32_t count = 0;
+      std::memcpy(&count, part.body->data() + 4, sizeof count);
+      const uint8_t* colors = part.body->data() + 24 + size_t{8} * count;
+      for (uint32_t i = 0; i < count; ++i) EXPECT_GT(colors[4 * i + 2], 0) << "blue";
+    }
+  }
 }
 
 TEST_F(RunSceneTest, LostFramesLeaveAGap) {

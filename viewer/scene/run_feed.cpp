@@ -23,18 +23,37 @@ FrameEvent event_of(const TrackedFrame& tracked, int inliers) {
           tracked.T_reference_camera, inliers,         tracked.doubtful};
 }
 
+MeshFrame mesh_frame_of(const TrackedFrame& tracked) {
+  if (tracked.keyframe.valid())
+    return {tracked.frame, tracked.keyframe, SE3(), tracked.velocity, tracked.moved, true};
+  return {tracked.frame, tracked.reference, tracked.T_reference_camera, tracked.velocity, tracked.moved};
+}
+
+/// Appends to a queue that drops its oldest entry when it is full.
+template <class Event>
+void push_bounded(std::deque<Event>& queue, Event event, size_t most) {
+  if (queue.size() == most) queue.pop_front();
+  queue.push_back(std::move(event));
+}
+
 }  // namespace
+
+/// A frame whose pose may be wrong would spoil what others have measured.
+bool RunFeed::is_for_mesh(const TrackedFrame& tracked) {
+  if (tracked.is_lost() || tracked.doubtful || tracked.provisional) return false;
+  if (!tracked.keyframe.valid() && ++frames_since_mesh_frame_ < kMeshFrameStep) return false;
+  frames_since_mesh_frame_ = 0;
+  return true;
+}
 
 void RunFeed::on_frame(const TrackedFrame& tracked) {
   const FrameEvent event = event_of(tracked, tracked.evidence.inliers);
-  const Frame& frame = *tracked.frame;
-  ImageEvent image{tracked.keyframe, frame.color, frame.depth_m, frame.features, tracked.matches};
+  ImageEvent image{tracked.keyframe, tracked.frame, tracked.matches, tracked.moved};
+  const bool for_mesh = is_for_mesh(tracked);
   const std::lock_guard lock(mutex_);
   events_.frames.push_back(event);
-  if (tracked.keyframe.valid()) {
-    if (events_.keyframes.size() == kMaxQueuedKeyframes) events_.keyframes.pop_front();
-    events_.keyframes.push_back(image);
-  }
+  if (for_mesh) push_bounded(events_.mesh_frames, mesh_frame_of(tracked), kMaxQueuedKeyframes);
+  if (tracked.keyframe.valid()) push_bounded(events_.keyframes, image, kMaxQueuedKeyframes);
   events_.latest = std::move(image);
 }
 

@@ -10,6 +10,7 @@
 
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
+#include "viewer/scene/incremental_mesh.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
@@ -28,10 +29,9 @@ struct FrameEvent {
 /// The images of a frame.
 struct ImageEvent {
   KeyframeId keyframe;  ///< valid if the frame is a keyframe
-  ColorImage color;
-  cv::Mat depth_m;
-  std::shared_ptr<const Features> features;
+  std::shared_ptr<const Frame> frame;
   std::vector<LandmarkMatch> matches;
+  cv::Mat moved;  ///< see TrackedFrame::moved
 };
 
 /// Summary of the map.
@@ -48,6 +48,7 @@ struct RunEvents {
   std::vector<FrameEvent> frames;
   std::optional<ImageEvent> latest;
   std::deque<ImageEvent> keyframes;
+  std::deque<MeshFrame> mesh_frames;
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible;  ///< (older, newer) of new keyframes
   std::optional<MapSummary> map;
 };
@@ -56,6 +57,9 @@ class RunFeed : public Listener {
  public:
   /// Maximum number of queued keyframe images; beyond it the oldest is dropped, along with its points.
   static constexpr size_t kMaxQueuedKeyframes = 32;
+
+  /// The mesh is made of all keyframes and, in between, of every n-th frame.
+  static constexpr uint32_t kMeshFrameStep = 10;
 
   void on_frame(const TrackedFrame& result) override;
   void on_map(const Map& map) override;
@@ -67,7 +71,10 @@ class RunFeed : public Listener {
   RunEvents take();
 
  private:
+  bool is_for_mesh(const TrackedFrame& tracked);
+
   size_t keyframes_reported_ = 0;
+  uint32_t frames_since_mesh_frame_ = 0;
   std::mutex mutex_;
   RunEvents events_;  // guarded by the mutex
 };

@@ -5,8 +5,11 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "kinloop/tracking/front_end.hpp"
+#include "session/dense_recorder.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {
@@ -32,9 +35,10 @@ cv::Mat depth_image(const cv::Mat& depth_m, double max_depth_m) {
 }
 
 std::vector<ShownFeature> shown_features(const ImageEvent& image) {
-  const Eigen::Vector2f size(static_cast<float>(image.depth_m.cols), static_cast<float>(image.depth_m.rows));
+  const cv::Size image_size = image.frame->depth_m.size();
+  const Eigen::Vector2f size(static_cast<float>(image_size.width), static_cast<float>(image_size.height));
   std::vector<ShownFeature> shown;
-  for (const Eigen::Vector2f& pixel : image.features->raw_pixels)
+  for (const Eigen::Vector2f& pixel : image.frame->features->raw_pixels)
     shown.push_back({pixel.cwiseQuotient(size)});
   for (const LandmarkMatch& match : image.matches) shown[match.feature].tracked = true;
   return shown;
@@ -52,6 +56,7 @@ const char* status_name(const FrameEvent& frame) {
 RunScene::RunScene(Scene& scene, RunInfo info)
     : scene_(scene), info_(std::move(info)), cloud_(info_.camera, info_.options) {
   if (info_.up) up_ = *info_.up;
+  if (info_.options.mesh) mesh_.emplace(info_.camera.color, info_.options);
   const PinholeCamera& camera = info_.camera.color;
   scene_.put(PartKind::kHello, 0,
              encode_json({{"run", scene_.run()},
@@ -67,6 +72,7 @@ void RunScene::update(const RunEvents& events, const RunState& state, bool watch
   if (events.map) update_map(*events.map);
   add_frames(events);
   for (const ImageEvent& image : events.keyframes) add_keyframe(image);
+  if (mesh_) update_mesh(events, state);
   if (!events.covisible.empty()) {
     const size_t first = covisible_.size();
     covisible_.insert(covisible_.end(), events.covisible.begin(), events.covisible.end());
@@ -125,7 +131,8 @@ void RunScene::show_doubt() {
 
 void RunScene::add_keyframe(const ImageEvent& image) {
   if (image.keyframe.value >= map_.T_world_keyframe.size()) return;
-  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.color.bgr(), image.depth_m,
+  const CloudPiece piece = cloud_.add_keyframe(image.keyframe, image.frame->color.bgr(),
+                                               depth_at_rest_m(*image.frame, image.moved),
                                                map_.T_world_keyframe[image.keyframe.value]);
   if (piece.cloud.size() > 0) scene_.put(PartKind::kCloud, image.keyframe.value, encode_cloud(piece));
   if (info_.up || Clock::now() < next_up_) return;
@@ -133,12 +140,28 @@ void RunScene::add_keyframe(const ImageEvent& image) {
   next_up_ = Clock::now() + std::chrono::seconds(3);
 }
 
+/// On a machine that leaves the viewer little time, most of it is for the rest.
+void RunScene::update_mesh(const RunEvents& events, const RunState& state) {
+  finished_ |= events.replaces_all;
+  mesh_->add(events.mesh_frames);
+  if (Clock::now() < next_mesh_) return;
+  const Stopwatch watch;
+  const SensorEstimate sensor = state.sensor.value_or(nominal_estimate(info_.camera));
+  const auto changed =
+      mesh_->update(map_.T_world_keyframe, time_calibrated_camera(info_.camera, sensor), finished_);
+  for (const MeshPiece& piece : changed)
+    scene_.put(PartKind::kMeshPiece, piece.index, encode_mesh_piece(piece));
+  constexpr double kRest = 3;  // times the time that the thread had to wait
+  const double waited_s = watch.wall_s() - watch.cpu_s();
+  next_mesh_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(kRest * waited_s));
+}
+
 void RunScene::show_images(const ImageEvent& image) {
   const ViewerOptions& options = info_.options;
   next_image_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(1 / options.image_rate_hz));
-  const cv::Mat color = resized(image.color.bgr(), options.image_width_px, cv::INTER_AREA);
-  const cv::Mat depth = resized(image.depth_m, options.image_width_px, cv::INTER_NEAREST);
+  const cv::Mat color = resized(image.frame->color.bgr(), options.image_width_px, cv::INTER_AREA);
+  const cv::Mat depth = resized(image.frame->depth_m, options.image_width_px, cv::INTER_NEAREST);
   scene_.put(PartKind::kColorImage, 0, encode_jpeg(color, options.jpeg_quality));
   scene_.put(PartKind::kDepthImage, 0,
              encode_jpeg(depth_image(depth, options.limits.max_depth_m), options.jpeg_quality));

@@ -6,7 +6,9 @@
 #include <string>
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
+#include "kinloop/sensor/sensor_estimate.hpp"
 #include "viewer/scene/incremental_cloud.hpp"
+#include "viewer/scene/incremental_mesh.hpp"
 #include "viewer/scene/run_feed.hpp"
 #include "viewer/scene/scene.hpp"
 
@@ -29,6 +31,7 @@ struct RunState {
   std::vector<std::string> warnings = {};  ///< where the input contradicts itself
   std::vector<std::string> hints = {};     ///< what spoils the recording now, and what to do
   bool paused = false;
+  std::optional<SensorEstimate> sensor = {};  ///< as estimated so far
 };
 
 class RunScene {
@@ -44,6 +47,7 @@ class RunScene {
   void add_frames(const RunEvents& events);
   void update_map(const MapSummary& map);
   void add_keyframe(const ImageEvent& image);
+  void update_mesh(const RunEvents& events, const RunState& state);
   void show_path(size_t first);
   void show_doubt();
   void show_images(const ImageEvent& image);
@@ -56,6 +60,8 @@ class RunScene {
   Scene& scene_;
   RunInfo info_;
   IncrementalCloud cloud_;
+  std::optional<IncrementalMesh> mesh_;  // if wanted
+  bool finished_ = false;
   std::vector<FrameEvent> frames_;
   std::vector<std::pair<KeyframeId, KeyframeId>> covisible_;
   std::vector<FrameRange> doubt_;
@@ -64,7 +70,7 @@ class RunScene {
   double ate_m_ = 0;
   std::deque<std::pair<Clock::time_point, size_t>> counts_;  // frame counts over the last second or so
   Eigen::Vector3d up_ = {0, -1, 0};
-  Clock::time_point next_image_, next_comparison_, next_up_;
+  Clock::time_point next_image_, next_comparison_, next_up_, next_mesh_;
 };
 
 }  // namespace kinloop

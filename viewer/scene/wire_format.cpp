@@ -35,6 +35,51 @@ class Writer {
   WireBytes bytes_;
 };
 
+constexpr size_t kBytesPerPoint = 12, kBeforePoints = 24;
+
+/// Appends coloured points as described at `encode_cloud`; `fourth(i)` is the fourth number of point i.
+template <class Fourth>
+void put_points(Writer& body, KeyframeId anchor, std::span<const Eigen::Vector3f> points,
+                std::span<const Rgb> colors, const Fourth& fourth) {
+  constexpr float kMaxUnits = std::numeric_limits<int16_t>::max();
+  constexpr float kFinestM = 1e-4F;
+  Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
+  if (!points.empty()) low = high = points.front();
+  for (const auto& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3f origin = (low + high) / 2;
+  const float unit_m = std::max(kFinestM, (high - low).maxCoeff() / 2 / kMaxUnits);
+  body.put(anchor.value);
+  body.put(static_cast<uint32_t>(points.size()));
+  body.put(unit_m);
+  body.put(origin);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f units =
+        ((points[i] - origin) / unit_m).array().round().max(-kMaxUnits).min(kMaxUnits);
+    for (const float x : units) body.put(static_cast<int16_t>(x));
+    body.put(fourth(i));
+  }
+  for (const Rgb& color : colors) {
+    for (const uint8_t x : color) body.put(x);
+    body.put(uint8_t{0});
+  }
+}
+
+/// A unit vector by its position on an octahedron that is folded open (Meyer et al. 2010): the first
+/// coordinate in the lower byte, the second in the upper one, each in 127ths.
+int16_t octahedral(const Eigen::Vector3f& normal) {
+  constexpr float kUnits = 127;
+  const float length = normal.cwiseAbs().sum();
+  if (!(length > 0)) return 0;
+  const auto folded = [](float a, float b) { return std::copysign(1 - std::abs(b), a); };
+  Eigen::Vector2f p = normal.head<2>() / length;
+  if (normal.z() < 0) p = Eigen::Vector2f(folded(p.x(), p.y()), folded(p.y(), p.x()));
+  const auto byte = [](float x) { return static_cast<unsigned>(std::lround(kUnits * x)) & 0xFFU; };
+  return static_cast<int16_t>(byte(p.x()) | byte(p.y()) << 8);
+}
+
 }  // namespace
 
 WireBytes encode_json(const nlohmann::json& json) {
@@ -97,32 +142,19 @@ WireBytes encode_features(std::span<const ShownFeature> features) {
 }
 
 WireBytes encode_cloud(const CloudPiece& piece) {
-  constexpr float kMaxUnits = std::numeric_limits<int16_t>::max();
-  constexpr float kFinestM = 1e-4F;
-  const auto& points = piece.cloud.points;
-  Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
-  if (!points.empty()) low = high = points.front();
-  for (const auto& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Eigen::Vector3f origin = (low + high) / 2;
-  const float unit_m = std::max(kFinestM, (high - low).maxCoeff() / 2 / kMaxUnits);
+  Writer body(kBeforePoints + piece.cloud.size() * kBytesPerPoint);
+  put_points(body, piece.anchor, piece.cloud.points, piece.cloud.colors, [](size_t) { return int16_t{0}; });
+  return body.take();
+}
 
-  constexpr size_t kBytesPerPoint = 12, kBeforePoints = 24;
-  Writer body(kBeforePoints + points.size() * kBytesPerPoint);
-  body.put(piece.anchor.value);
-  body.put(static_cast<uint32_t>(points.size()));
-  body.put(unit_m);
-  body.put(origin);
-  for (const auto& p : points) {
-    const Eigen::Vector3f units = ((p - origin) / unit_m).array().round().max(-kMaxUnits).min(kMaxUnits);
-    for (const float x : units) body.put(static_cast<int16_t>(x));
-    body.put(int16_t{0});
-  }
-  for (const Rgb& color : piece.cloud.colors) {
-    for (const uint8_t x : color) body.put(x);
-    body.put(uint8_t{0});
+WireBytes encode_mesh_piece(const MeshPiece& piece) {
+  const ColoredMesh& mesh = piece.surface.mesh;
+  Writer body(kBeforePoints + mesh.points.size() * kBytesPerPoint +
+              mesh.triangles.size() * 3 * sizeof(uint16_t));
+  put_points(body, piece.anchor, mesh.points, mesh.colors,
+             [&](size_t i) { return octahedral(piece.surface.normals[i]); });
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const uint32_t corner : triangle) body.put(static_cast<uint16_t>(corner));
   }
   return body.take();
 }

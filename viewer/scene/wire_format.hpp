@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kinloop/core/ids.hpp"
+#include "kinloop/dense/live_mesh/live_mesh.hpp"
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/se3.hpp"
 
@@ -49,6 +50,7 @@ enum class PartKind : uint32_t {
   kComparison = 19,     ///< JSON: what differs between two maps, and which cloud pieces show it
   kOtherPath = 20,      ///< 3 f32 each: the path of the second of two compared maps
   kTruthErrors = 21,    ///< 6 f32 each: estimated and true position of a keyframe or frame, in the world
+  kMeshPiece = 22,      ///< a piece of the live mesh, see `encode_mesh_piece`
 };
 
 /// Number of keyframes, or frames, per part, the unit of updates.
@@ -128,6 +130,10 @@ struct TimelineFrame {
 /// keyframe (all bits set: none); f32 tracked, sigma_m, ms; 7 f32 pose as in `encode_poses`, NaN if it has
 /// none.
 WireBytes encode_timeline(std::span<const TimelineFrame> frames);
+
+/// As `encode_cloud`, of the vertices, with the normal of each in place of the fourth i16 (its octahedral
+/// coordinates: i8 first, then second, in 127ths); then 3 u16 (vertex indices) per triangle.
+WireBytes encode_mesh_piece(const MeshPiece& piece);
 
 /// u32 n vertices, u32 m triangles, u32 whether there are colours; n times 3 f32 (x, y, z in the world), m
 /// times 3 u32 (vertex indices), n times 4 u8 (red, green, blue, 0) if there are colours.

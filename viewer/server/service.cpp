@@ -1,10 +1,13 @@
 #include "viewer/server/service.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "kinloop/core/log.hpp"
+#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/thread_priority.hpp"
 #include "viewer/server/server.hpp"
 
@@ -48,11 +51,14 @@ class ViewerService::Impl {
     }
   }
 
+  /// Leaves at least half of the thread's time for sending, also on a machine with little time for it.
   void tick() {
+    const Stopwatch watch;
     browsers_ = server_.browsers();
     update_(scene_, browsers_);
     server_.send_changes();
-    timer_.expires_after(kBetweenUpdates);
+    const auto busy = std::chrono::milliseconds(std::lround(1e3 * watch.wall_s()));
+    timer_.expires_after(std::max(kBetweenUpdates, busy));
     timer_.async_wait([this](boost::system::error_code error) {
       if (!error) tick();
     });

@@ -3,35 +3,15 @@
 #include <algorithm>
 #include <functional>
 
-#include <opencv2/imgproc.hpp>
-
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/dense/cloud/point_colors.hpp"
 #include "kinloop/dense/mesh/simplify_mesh.hpp"
+#include "kinloop/dense/undistorted_images.hpp"
 #include "kinloop/dense/usable_depth.hpp"
 
 namespace kinloop {
 namespace {
-
-/// Raw image position of each pixel of an ideal camera, for cv::remap.
-cv::Mat undistortion_of(const PinholeCamera& camera) {
-  cv::Mat raw_pixels(camera.height, camera.width, CV_32FC2);
-  for (int row = 0; row < camera.height; ++row) {
-    for (int col = 0; col < camera.width; ++col) {
-      const Eigen::Vector2d raw = camera.distort(Eigen::Vector2d(col, row));
-      raw_pixels.at<cv::Vec2f>(row, col) = {static_cast<float>(raw.x()), static_cast<float>(raw.y())};
-    }
-  }
-  return raw_pixels;
-}
-
-/// Interpolating depth between two surfaces would give a depth of neither, so use the nearest pixel.
-cv::Mat undistorted(const cv::Mat& image, const cv::Mat& raw_pixels) {
-  cv::Mat result;
-  cv::remap(image, result, raw_pixels, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
-  return result;
-}
 
 /// Removes the depth deformation from an undistorted depth image.
 cv::Mat corrected_depth(cv::Mat depth_m, const DenseCamera& camera) {
@@ -61,8 +41,8 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
     parallel_for(count, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
-        batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), camera),
-                    undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels),
+        const cv::Mat usable = undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels);
+        batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), camera), usable,
                     views[first + i].T_world_camera, views[first + i].velocity,
                     views[first + i].depth_stamp_difference_s};
       }

@@ -23,6 +23,7 @@
 #pragma GCC diagnostic pop
 
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "kinloop/dense/mesh/surface_nets.hpp"
 
 namespace kinloop {
 namespace {
@@ -42,11 +43,6 @@ Coord along(int axis, int steps = 1) {
   Coord c(0, 0, 0);
   c[static_cast<size_t>(axis)] = steps;
   return c;
-}
-
-/// Position of the zero crossing between two voxel centres.
-double crossing(float a, float b) {
-  return static_cast<double>(a) / (static_cast<double>(a) - static_cast<double>(b));
 }
 
 /// Reads the voxels of a grid. A voxel is mostly in the leaf of the one before.
@@ -159,9 +155,7 @@ class BlockUpdate {
   std::array<Eigen::Vector3d, 3> step_;  // one voxel along each axis, in the camera frame
 };
 
-/// Surface nets (Gibson 1998): one vertex in every cell of eight voxels that the surface crosses, at the mean
-/// of its intersections with the cell's edges, and two triangles across every intersected edge between
-/// voxels.
+/// The surface in all voxels.
 class SurfaceNets {
  public:
   SurfaceNets(const FloatGrid& distance, const FloatGrid& weight, const MeshOptions& options)
@@ -184,29 +178,16 @@ class SurfaceNets {
   bool known(const Coord& voxel) { return weight_(voxel) >= static_cast<float>(options_.min_weight); }
 
   void add_vertex(const Coord& cell) {
-    std::array<float, 8> corners{};
+    CellCorners corners{};
     for (int k = 0; k < 8; ++k) {
       const Coord voxel = cell.offsetBy(k & 1, k >> 1 & 1, k >> 2);
       if (!known(voxel)) return;
       corners[static_cast<size_t>(k)] = distance_(voxel);
     }
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    int cuts = 0;
-    for (int k = 0; k < 8; ++k) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const int other = k | 1 << axis;
-        if (other == k) continue;
-        const float a = corners[static_cast<size_t>(k)], b = corners[static_cast<size_t>(other)];
-        if ((a < 0) == (b < 0)) continue;
-        Eigen::Vector3d cut(k & 1, k >> 1 & 1, k >> 2);
-        cut(axis) += crossing(a, b);
-        sum += cut;
-        ++cuts;
-      }
-    }
-    if (cuts == 0) return;
+    const auto in_cell = surface_vertex(corners);
+    if (!in_cell) return;
     vertex_of_.setValueOn(cell, static_cast<int>(mesh_.points.size()));
-    const Eigen::Vector3d p = (Eigen::Vector3d(cell.x(), cell.y(), cell.z()) + sum / cuts) * options_.voxel_m;
+    const Eigen::Vector3d p = (Eigen::Vector3d(cell.x(), cell.y(), cell.z()) + *in_cell) * options_.voxel_m;
     mesh_.points.push_back(p.cast<float>());
   }
 

@@ -1,4 +1,5 @@
-// Point rendering: size and colour, in one shader shared by the live viewer and the report.
+// Point rendering: size and colour, in one shader shared by the live viewer and the report. Pieces of the live mesh
+// have the same colours.
 
 import { ShaderMaterial, Vector2, Vector3 } from 'three';
 
@@ -8,9 +9,10 @@ export const COLOR_MODES = ['camera', 'height', 'depth', 'time'];
 /** Stands for no clipping: a shader need not know infinity. */
 export const FAR_M = 1e9;
 
-const vertexShader = `
+/** The colour of a vertex, and clipping, for the vertex shaders of clouds and meshes. */
+export const coloring = `
   attribute vec4 tint;
-  uniform float pointSizeCm, pixelsPerRadian, unitM, timeShare;
+  uniform float unitM, timeShare;
   uniform vec3 origin, clipLowM, clipHighM;
   uniform vec2 heightsM;
   uniform int mode;
@@ -31,18 +33,29 @@ const vertexShader = `
     return mix(pow((srgb + 0.055) / 1.055, vec3(2.4)), srgb / 12.92, step(srgb, vec3(0.04045)));
   }
 
-  void main() {
+  bool isClipped(vec3 world) {
+    return any(lessThan(world, clipLowM)) || any(greaterThan(world, clipHighM));
+  }
+
+  vec3 shownColor(vec3 world) {
     const float farthestM = 4.5;  // that a Kinect sees
-    const float smallest = sqrt(2.0);  // px: a smaller disc may cover no pixel's centre, and the point vanishes
-    vec4 world = modelMatrix * vec4(position, 1.0);
-    vec4 eye = viewMatrix * world;
-    bool clipped = any(lessThan(world.xyz, clipLowM)) || any(greaterThan(world.xyz, clipHighM));
-    gl_Position = clipped ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * eye;  // 2: out of sight
-    gl_PointSize = clamp(0.01 * pointSizeCm * pixelsPerRadian / -eye.z, smallest, 32.0);
     float height = (world.y - heightsM.x) / max(heightsM.y - heightsM.x, 0.01);
     float nearness = 1.0 - (origin.z + position.z * unitM) / farthestM;
     float share = mode == 1 ? height : mode == 2 ? nearness : timeShare;
-    vColor = linear(mode == 0 ? tint.rgb : clamp(turbo(clamp(share, 0.0, 1.0)), 0.0, 1.0));
+    return linear(mode == 0 ? tint.rgb : clamp(turbo(clamp(share, 0.0, 1.0)), 0.0, 1.0));
+  }`;
+
+const vertexShader = `
+  uniform float pointSizeCm, pixelsPerRadian;
+  ${coloring}
+
+  void main() {
+    const float smallest = sqrt(2.0);  // px: a smaller disc may cover no pixel's centre, and the point vanishes
+    vec4 world = modelMatrix * vec4(position, 1.0);
+    vec4 eye = viewMatrix * world;
+    gl_Position = isClipped(world.xyz) ? vec4(2.0, 2.0, 2.0, 1.0) : projectionMatrix * eye;  // 2: out of sight
+    gl_PointSize = clamp(0.01 * pointSizeCm * pixelsPerRadian / -eye.z, smallest, 32.0);
+    vColor = shownColor(world.xyz);
   }`;
 
 const fragmentShader = `
@@ -60,14 +73,19 @@ export function sharedUniforms() {
     pointSizeCm: { value: 1.6 },
     pixelsPerRadian: { value: 500 },
     mode: { value: 0 },
+    lit: { value: 1 }, // of meshes, whether by their normals
     heightsM: { value: new Vector2(0, 3) },
     clipLowM: { value: new Vector3().setScalar(-FAR_M) },
     clipHighM: { value: new Vector3().setScalar(FAR_M) },
   };
 }
 
+/** The uniforms of one piece. */
+export function pieceUniforms({ unitM, origin }) {
+  return { unitM: { value: unitM }, origin: { value: new Vector3(...origin) }, timeShare: { value: 0 } };
+}
+
 /** The material of one piece. */
 export function cloudMaterial(shared, { unitM, origin }) {
-  const own = { unitM: { value: unitM }, origin: { value: new Vector3(...origin) }, timeShare: { value: 0 } };
-  return new ShaderMaterial({ uniforms: { ...shared, ...own }, vertexShader, fragmentShader });
+  return new ShaderMaterial({ uniforms: { ...shared, ...pieceUniforms({ unitM, origin }) }, vertexShader, fragmentShader });
 }

@@ -9,14 +9,17 @@ export function cloudPiece(piece, shared) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(piece.points, 4));
   geometry.setAttribute('tint', new BufferAttribute(piece.colors, 4, true));
-  geometry.boundingBox = boxOf(piece.points);
-  geometry.boundingSphere = geometry.boundingBox.getBoundingSphere(new Sphere());
   const object = new Points(geometry, cloudMaterial(shared, piece));
-  object.matrixAutoUpdate = false;
-  object.userData.toAnchor = new Matrix4()
-    .makeTranslation(...piece.origin)
-    .multiply(new Matrix4().makeScale(piece.unitM, piece.unitM, piece.unitM));
   object.userData.count = piece.count;
+  return anchored(object, piece);
+}
+
+/** Prepares an object of a piece's points for placePiece. */
+export function anchored(object, { points, origin, unitM }) {
+  object.geometry.boundingBox = boxOf(points);
+  object.geometry.boundingSphere = object.geometry.boundingBox.getBoundingSphere(new Sphere());
+  object.matrixAutoUpdate = false;
+  object.userData.toAnchor = new Matrix4().makeTranslation(...origin).multiply(new Matrix4().makeScale(unitM, unitM, unitM));
   return object;
 }
 

@@ -3,7 +3,7 @@
 
 const HEAD_BYTES = 24;
 
-/** { anchor, count, unitM, origin, points (4 i16 each), colors (4 u8 each) } from the bytes at offset `at`. */
+/** { anchor, count, unitM, origin, points (4 i16 each), colors (4 u8 each), end } from the bytes at offset `at`. */
 export function readCloud(buffer, at) {
   const head = new DataView(buffer, at, HEAD_BYTES);
   const count = head.getUint32(4, true);
@@ -14,5 +14,6 @@ export function readCloud(buffer, at) {
     origin: [12, 16, 20].map((offset) => head.getFloat32(offset, true)),
     points: new Int16Array(buffer, at + HEAD_BYTES, 4 * count),
     colors: new Uint8Array(buffer, at + HEAD_BYTES + 8 * count, 4 * count),
+    end: at + HEAD_BYTES + 12 * count, // offset of what follows
   };
 }

@@ -23,6 +23,7 @@ const KEYS = [
   ['g', 'G', 'floor grid on or off', 'grid'],
   ['e', 'E', 'eye-dome lighting on or off', 'shading'],
   ['l', 'L', 'loop edges on or off', 'loops'],
+  ['d', 'D', 'cloud and mesh, mesh, or cloud', 'nextSurface'],
   ['n', 'N', 'next loop of a saved run; with Shift the previous', 'nextLoop'],
   ['o', 'O', 'next object that differs between two maps; with Shift the previous', 'nextObject'],
   ['Escape', 'Esc', 'close the selected loop or object', 'close'],

@@ -4,7 +4,7 @@
 //   messages.js    the protocol          world.js    the map as three.js objects    panel.js     figures, buttons
 //   connection.js  the connection        poses.js    keyframe poses, animated       runState.js  state of the run
 //   images.js      the camera's images   lines.js    frusta, paths, edges           keys.js      keys and their table
-//   view.js        renderer, detail      models.js   meshes                         cut.js       cutting height
+//   view.js        renderer, detail      models.js   meshes; meshPiece.js: live     cut.js       cutting height
 //   cameraControls.js  viewpoint         floor.js    the grid                       drawer.js    the panel of a phone
 //   framing.js     extent of the map     interior.js  the view from inside a room   scaleBar.js  a length
 //   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark

@@ -30,6 +30,7 @@ const readers = [
   ['comparison', json],
   ['otherPath', floats],
   ['truthErrors', floats],
+  ['meshPiece', meshPiece],
 ];
 
 /** Adds a message to the part that has come so far: { version, buffer, received, complete }, sizes with the header. */
@@ -93,6 +94,12 @@ function mesh(buffer) {
     triangles: new Uint32Array(buffer, at + 12 * vertices, 3 * triangles),
     colors: colored ? new Uint8Array(buffer, at + 12 * (vertices + triangles), 4 * vertices) : undefined,
   };
+}
+
+/** Its vertices as those of a cloud, and triangles: three of their indices each. */
+function meshPiece(buffer) {
+  const vertices = readCloud(buffer, HEAD_BYTES);
+  return { ...vertices, triangles: new Uint16Array(buffer, vertices.end) };
 }
 
 /** The frames of a saved run as arrays, and pose(i): a matrix, undefined if frame i has none. */

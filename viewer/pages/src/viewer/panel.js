@@ -139,6 +139,7 @@ export class Panel {
       clear: () => this.clear(),
       follow: () => this.setCamera('follow'),
       loops: () => document.querySelector('[data-layer=loops]').click(),
+      nextSurface: () => this.showNextSurface(),
       nextLoop: ({ shiftKey }) => this.loops.list.step(shiftKey ? -1 : 1),
       nextObject: ({ shiftKey }) => this.comparison.list.step(shiftKey ? -1 : 1),
       close: () => this.close(),
@@ -149,6 +150,14 @@ export class Panel {
       smallerPoints: () => this.resizePoints(-POINT_SIZE_STEP),
       largerPoints: () => this.resizePoints(POINT_SIZE_STEP),
     };
+  }
+
+  /** Shows the mesh instead of cloud and mesh, then the cloud, then both again, if there are both. */
+  showNextSurface() {
+    const [cloud, mesh] = ['cloud', 'mesh'].map((layer) => document.querySelector(`[data-layer=${layer}]`));
+    if (!this.world.has('cloud') || !this.world.has('mesh')) return;
+    const next = cloud.checked === mesh.checked ? (cloud.checked ? [false, true] : [true, true]) : [true, !mesh.checked];
+    [cloud, mesh].forEach((box, i) => box.checked === next[i] || box.click());
   }
 
   setCamera(mode) {

@@ -38,7 +38,7 @@ export class View {
     this.isOriented = false; // whether up is known, so that there may be a room
     this.eyeDome = new EyeDome();
     this.shades = true;
-    this.shadesMoving = true; // false after slow frames, until the view rests
+    this.shadesMoving = true; // false after slow frames, until the view rests; so is a mesh beside the cloud
     this.shaded = false; // the last frame
     this.onMeasured = () => {};
     this.onDrawn = () => {};
@@ -104,8 +104,9 @@ export class View {
     const { camera } = this.cameraControls;
     uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
     uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(this.share));
+    uniforms.lit.value = this.shades ? 1 : 0;
     this.world.clipTo(this.drawnBox());
-    this.world.thin(this.share);
+    this.world.thin(this.share, this.shadesMoving);
     this.shaded = this.shades && this.shadesMoving;
     if (this.shaded) this.eyeDome.render(this.renderer, this.scene, camera);
     else this.renderer.render(this.scene, camera);

@@ -1,6 +1,6 @@
 // The map as three.js objects, updated message by message.
 
-import { Box3, Group, Matrix4, Plane, Quaternion, Vector3 } from 'three';
+import { Box3, Group, Layers, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
 import { FAR_M, sharedUniforms } from '../shared/cloudMaterial.js';
 import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
@@ -8,6 +8,7 @@ import { roundLength } from './framing.js';
 import { KeyframePictures, pictureMesh, placePicture, showIn } from './keyframePictures.js';
 import { Lines } from './lines.js';
 import { NO_KEYFRAME } from './messages.js';
+import { meshPiece } from './meshPiece.js';
 import { meshOf, readModel } from './models.js';
 import { matrixOf, PART_LENGTH, poseFrom, Poses } from './poses.js';
 
@@ -19,6 +20,7 @@ const KEYFRAME_SIZE_M = 0.06;
 const CAMERA_SIZE_M = 0.16;
 const ERROR_SHARE = 0.1; // of the path's extent that the longest error arrow has at most
 const OWN_WORLD = new Matrix4();
+const SHOWN = new Layers().mask; // of an object that the camera sees
 
 export class World {
   constructor() {
@@ -66,7 +68,8 @@ export class World {
   /** Removes everything of a run. */
   clear() {
     this.poses = new Poses();
-    this.pieces = new Map(); // index -> { object, anchor }
+    this.pieces = new Map(); // index -> { object, anchor }, of the cloud
+    this.meshPieces = new Map(); // the same of a mesh that grows
     this.models = [];
     this.parts = { path: [], covisibility: [] };
     this.loops = new Uint32Array(0);
@@ -100,7 +103,8 @@ export class World {
       covisibility: () => (this.parts.covisibility[index] = body),
       loops: () => this.showLoops({ accepted: (this.loops = body) }),
       doubt: () => (this.doubt = body),
-      cloud: () => this.takePiece(index, body),
+      cloud: () => this.takePiece(this.pieces, this.layers.cloud, index, body, cloudPiece),
+      meshPiece: () => this.takePiece(this.meshPieces, this.layers.mesh, index, body, meshPiece),
       mesh: () => this.addModel(meshOf(body, this.clipPlanes)),
       model: () => this.takeModel(body),
       truth: () => (this.truth = body),
@@ -139,15 +143,18 @@ export class World {
     this.moved = true;
   }
 
-  takePiece(index, piece) {
-    const before = this.pieces.get(index);
+  /** Replaces a piece in `pieces` and in their layer by what `make` makes of it; an empty one only removes it. */
+  takePiece(pieces, layer, index, piece, make) {
+    const before = pieces.get(index);
     if (before) {
-      this.layers.cloud.remove(before.object);
+      layer.remove(before.object);
       dispose(before.object);
+      pieces.delete(index);
     }
-    const object = cloudPiece(piece, this.uniforms);
-    this.pieces.set(index, { object, anchor: piece.anchor });
-    this.layers.cloud.add(object);
+    if (piece.count === 0) return;
+    const object = make(piece, this.uniforms);
+    pieces.set(index, { object, anchor: piece.anchor });
+    layer.add(object);
   }
 
   async takeModel(buffer) {
@@ -168,7 +175,7 @@ export class World {
   has(layer) {
     return {
       cloud: this.pieces.size > 0,
-      mesh: this.models.length > 0,
+      mesh: this.models.length + this.meshPieces.size > 0,
       path: this.parts.path.length > 0,
       keyframes: this.poses.count > 0,
       images: this.pictures.count > 0,
@@ -223,12 +230,16 @@ export class World {
 
   placePieces() {
     const hidden = Object.values(this.differences).filter(({ shown }) => !shown);
-    for (const [index, { object, anchor }] of this.pieces) {
-      const pose = anchor === NO_KEYFRAME ? OWN_WORLD : this.poses.at(anchor);
-      object.visible = pose !== undefined && !hidden.some(({ first, end }) => first <= index && index < end);
-      if (pose) placePiece(object, pose);
-      object.material.uniforms.timeShare.value = anchor / Math.max(1, this.poses.count - 1);
-    }
+    for (const [index, piece] of this.pieces) this.place(piece, !hidden.some(({ first, end }) => first <= index && index < end));
+    for (const piece of this.meshPieces.values()) this.place(piece, true);
+  }
+
+  /** Moves a piece to its anchor; it is visible if that is known. */
+  place({ object, anchor }, visible) {
+    const pose = anchor === NO_KEYFRAME ? OWN_WORLD : this.poses.at(anchor);
+    object.visible = pose !== undefined && visible;
+    if (pose) placePiece(object, pose);
+    object.material.uniforms.timeShare.value = anchor / Math.max(1, this.poses.count - 1);
   }
 
   drawFrusta() {
@@ -341,9 +352,11 @@ export class World {
     return [...this.pieces.values()].reduce((sum, { object }) => sum + object.userData.count, 0);
   }
 
-  /** Draws that share of all points. */
-  thin(share) {
+  /** Draws that share of all points, and beside them the mesh that grows only if `all`. */
+  thin(share, all) {
     for (const { object } of this.pieces.values()) thinPiece(object, share);
+    const withMesh = all || !this.layers.cloud.visible;
+    for (const { object } of this.meshPieces.values()) object.layers.mask = withMesh ? SHOWN : 0;
   }
 }
 

@@ -1,0 +1,204 @@
+#include "kinloop/dense/live_mesh/live_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kinloop {
+namespace {
+
+/// As for meshes made afterwards, see MeshOptions.
+constexpr double kTruncation_voxels = 4;
+
+/// Number of keyframes that a submap takes new surface from.
+constexpr uint32_t kKeyframesPerSubmap = 8;
+
+/// A view agrees with a submap that knows so many of its samples, if most of these are at a surface.
+constexpr size_t kMinKnown = 10;
+constexpr double kMinAgreeing = 0.6;
+
+/// So many samples tell whether a view agrees.
+constexpr size_t kAgreementSamples = 1000;
+
+/// Less new surface, as a share of the samples, is no reason to begin a submap.
+constexpr double kMinNew = 0.01;
+
+constexpr uint32_t kNoPiece = ~uint32_t{0};
+
+/// Pixels between samples: adjacent ones are in the same block or in neighbours at the greatest depth.
+int sample_stride_px(const PinholeCamera& camera, const LiveMeshOptions& options) {
+  const double block_px =
+      kTsdfBlockEdge * options.voxel_m * std::min(camera.fx, camera.fy) / options.limits.max_depth_m;
+  return std::clamp(static_cast<int>(block_px / std::sqrt(2.0)), 2, 16);
+}
+
+std::vector<Eigen::Vector3f> moved(std::span<const Eigen::Vector3f> points, const SE3& T) {
+  const Eigen::Matrix3f R = T.R().cast<float>();
+  const Eigen::Vector3f t = T.translation.cast<float>();
+  std::vector<Eigen::Vector3f> result;
+  result.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) result.emplace_back(R * p + t);
+  return result;
+}
+
+/// Every n-th of them, so that there are at most `most`.
+std::vector<Eigen::Vector3f> thinned(std::span<const Eigen::Vector3f> points, size_t most) {
+  const size_t step = points.size() / most + 1;
+  std::vector<Eigen::Vector3f> kept;
+  for (size_t i = 0; i < points.size(); i += step) kept.push_back(points[i]);
+  return kept;
+}
+
+}  // namespace
+
+LiveMesh::LiveMesh(const LiveMeshOptions& options)
+    : options_(options), scale_{options.voxel_m, kTruncation_voxels * options.voxel_m} {}
+
+void LiveMesh::correct(std::span<const SE3> T_world_keyframe) {
+  T_world_keyframe_.assign(T_world_keyframe.begin(), T_world_keyframe.end());
+}
+
+void LiveMesh::fuse(const FusionView& view, KeyframeId keyframe, const SE3& T_keyframe_camera) {
+  ++views_;
+  const SE3 T_world_camera = T_world_keyframe_[keyframe.value] * T_keyframe_camera;
+  const auto samples = sampled_surface(view, sample_stride_px(view.camera.color, options_));
+  std::vector<size_t> parts = agreeing_parts(samples, T_world_camera);
+  allocate(samples, T_world_camera, keyframe, parts);
+  link(parts);
+  const DepthTiles tiles(view.depth_m);
+  for (const size_t i : parts) {
+    parts_[i].submap.fuse(view, tiles, T_world_camera.inverse() * pose(parts_[i]));
+    parts_[i].last_view = views_;
+  }
+  limit_memory();
+}
+
+std::vector<size_t> LiveMesh::agreeing_parts(std::span<const Eigen::Vector3f> samples,
+                                             const SE3& T_world_camera) const {
+  const auto some = thinned(samples, kAgreementSamples);
+  std::vector<size_t> agreeing;
+  for (size_t i = 0; i < parts_.size(); ++i) {
+    const SE3 T_part_camera = pose(parts_[i]).inverse() * T_world_camera;
+    const Submap& submap = parts_[i].submap;
+    if (!submap.is_near(T_part_camera.translation.cast<float>(), options_.limits.max_depth_m)) continue;
+    const auto [known, agreed] = submap.agreement(moved(some, T_part_camera));
+    if (known >= kMinKnown && static_cast<double>(agreed) >= kMinAgreeing * static_cast<double>(known))
+      agreeing.push_back(i);
+  }
+  return agreeing;
+}
+
+/// Adds blocks for the surface in view: to the oldest of `parts` that owns a sample of it, else to one of
+/// them or a new one, which is then added to `parts`.
+void LiveMesh::allocate(std::span<const Eigen::Vector3f> samples, const SE3& T_world_camera,
+                        KeyframeId keyframe, std::vector<size_t>& parts) {
+  constexpr size_t kNobody = ~size_t{0};
+  std::vector<size_t> owner(samples.size(), kNobody);
+  for (const size_t i : parts) {
+    const auto points = moved(samples, pose(parts_[i]).inverse() * T_world_camera);
+    for (size_t k = 0; k < points.size(); ++k) {
+      if (owner[k] == kNobody && parts_[i].submap.owns(points[k])) owner[k] = i;
+    }
+  }
+  const auto without_owner = std::ranges::count(owner, kNobody);
+  if (without_owner > 0) {
+    const double share = static_cast<double>(without_owner) / static_cast<double>(samples.size());
+    std::ranges::replace(owner, kNobody, part_for_new_surface(keyframe, share, parts));
+  }
+  const auto reach = static_cast<float>(scale_.truncation_m);
+  for (const size_t i : parts) {
+    if (parts_[i].submap.is_released()) continue;
+    const SE3 T_part_camera = pose(parts_[i]).inverse() * T_world_camera;
+    const auto points = moved(samples, T_part_camera);
+    const Eigen::Vector3f eye = T_part_camera.translation.cast<float>();
+    for (size_t k = 0; k < points.size(); ++k) {
+      if (owner[k] != i) continue;
+      const Eigen::Vector3f along = reach * (points[k] - eye).normalized();
+      for (const float step : {-1.0F, 0.0F, 1.0F}) parts_[i].submap.touch(points[k] + step * along);
+    }
+  }
+}
+
+/// Returns the newest of `parts` if it may grow, else a new part. `new_share`: of the view.
+size_t LiveMesh::part_for_new_surface(KeyframeId keyframe, double new_share, std::vector<size_t>& parts) {
+  if (!parts.empty() && !parts_[parts.back()].submap.is_released()) {
+    Part& newest = parts_[parts.back()];
+    if (new_share < kMinNew || keyframe <= newest.newest) return parts.back();
+    if (newest.keyframes < kKeyframesPerSubmap) {
+      newest.newest = keyframe;
+      ++newest.keyframes;
+      return parts.back();
+    }
+  }
+  parts_.push_back({.submap = Submap(keyframe, scale_), .newest = keyframe});
+  parts.push_back(parts_.size() - 1);
+  return parts.back();
+}
+
+/// Notes that the parts overlap. What a newer one shows of the older ones is extracted again, without that.
+void LiveMesh::link(std::span<const size_t> parts) {
+  for (size_t n = 1; n < parts.size(); ++n) {
+    Part& newer = parts_[parts[n]];
+    const size_t before = newer.older.size();
+    for (const size_t older : parts.first(n)) {
+      if (std::ranges::find(newer.older, older) == newer.older.end()) newer.older.push_back(older);
+    }
+    if (newer.older.size() > before) newer.submap.mark_all();
+  }
+}
+
+void LiveMesh::limit_memory() {
+  while (blocks_in_memory() > options_.max_blocks) {
+    size_t oldest = parts_.size();
+    for (size_t i = 0; i < parts_.size(); ++i) {
+      if (parts_[i].submap.is_released()) continue;
+      if (oldest == parts_.size() || parts_[i].last_view < parts_[oldest].last_view) oldest = i;
+    }
+    for (size_t chunk = 0; chunk < parts_[oldest].submap.chunks().size(); ++chunk) {
+      if (!parts_[oldest].submap.chunks()[chunk].is_stale()) continue;
+      if (auto piece = take(oldest, chunk)) released_.push_back(*std::move(piece));
+    }
+    parts_[oldest].submap.release();
+  }
+}
+
+std::vector<MeshPiece> LiveMesh::take_changed(size_t most, bool all) {
+  std::vector<MeshPiece> pieces;
+  for (; pieces.size() < most && !released_.empty(); released_.pop_front())
+    pieces.push_back(std::move(released_.front()));
+  for (size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].submap.is_released()) continue;
+    const auto& chunks = parts_[i].submap.chunks();
+    for (size_t chunk = 0; chunk < chunks.size() && pieces.size() < most; ++chunk) {
+      if (!(all ? chunks[chunk].is_stale() : chunks[chunk].is_due())) continue;
+      if (auto piece = take(i, chunk)) pieces.push_back(*std::move(piece));
+    }
+  }
+  return pieces;
+}
+
+/// Extracts a piece without what older parts show. nullopt if it is empty, as it was before.
+std::optional<MeshPiece> LiveMesh::take(size_t part, size_t chunk) {
+  Part& owner = parts_[part];
+  SurfacePiece surface = owner.submap.extract(chunk);
+  for (const size_t i : owner.older) {
+    const SE3 T_older_owner = pose(parts_[i]).inverse() * pose(owner);
+    const auto points = moved(surface.mesh.points, T_older_owner),
+               normals = moved(surface.normals, {T_older_owner.rotation, Eigen::Vector3d::Zero()});
+    surface =
+        without_triangles(surface, [&](size_t k) { return parts_[i].submap.shows(points[k], normals[k]); });
+  }
+  owner.submap.note_shown(chunk, surface);
+  owner.piece_of.resize(owner.submap.chunks().size(), kNoPiece);
+  uint32_t& index = owner.piece_of[chunk];
+  if (index == kNoPiece && surface.mesh.triangles.empty()) return std::nullopt;
+  if (index == kNoPiece) index = pieces_++;
+  return MeshPiece{index, owner.submap.anchor(), std::move(surface)};
+}
+
+size_t LiveMesh::blocks_in_memory() const {
+  size_t count = 0;
+  for (const Part& part : parts_) count += part.submap.blocks_in_memory();
+  return count;
+}
+
+}  // namespace kinloop
