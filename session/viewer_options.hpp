@@ -18,7 +18,7 @@ struct ViewerOptions {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit("voxel_m", self.voxel_m, "voxel size of the live cloud and of the live mesh, metres",
+    visit("voxel_m", self.voxel_m, "voxel size of the live cloud and, from 0.01 on, of the live mesh, metres",
           Range{0.002, 0.5});
     visit("mesh", self.mesh, "whether a mesh is made during the run, for the viewer");
     visit("image_rate_hz", self.image_rate_hz, "camera images per second while a browser is connected",

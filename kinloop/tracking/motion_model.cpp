@@ -120,6 +120,16 @@ MotionModel::MotionCovariance MotionModel::predicted_covariance(double duration_
   return covariance;
 }
 
+bool MotionModel::agrees(const MotionPrior& prior, const SE3& T_reference_camera,
+                         const Matrix6d& pose_covariance) {
+  constexpr double kMaxSquare = 33.1;  // one in 10^5 is larger: chi-square with six degrees of freedom
+  const Matrix6d of_prior = prior.information.ldlt().solve(Matrix6d::Identity());
+  // As the information of the prior, relative to the noise that the pose states of itself.
+  const Matrix6d relative = of_prior + pose_covariance;
+  const Vector6d off = prior.deviation(T_reference_camera);
+  return off.dot(relative.ldlt().solve(off)) <= kVarianceOfPoses * kMaxSquare;
+}
+
 std::optional<MotionPrior> MotionModel::prior(const SE3& T_reference_previous, int64_t duration_ns) const {
   constexpr int64_t kMaxDuration_ns = 150'000'000;  // hand motion is smooth for as long
   if (duration_ns < kMinVelocityInterval_ns || duration_ns > kMaxDuration_ns) return std::nullopt;

@@ -37,9 +37,14 @@ class MotionModel {
   /// The same for a frame whose pose landmarks determine with `pose_covariance`.
   void update(const Velocity& velocity, int64_t duration_ns, const Matrix6d& pose_covariance);
 
-  /// Returns what the motion up to the previous frame says of the frame `duration_ns` later; nullopt if that
-  /// is too short or too long a time.
+  /// Returns what the motion up to the previous frame, at `T_reference_previous`, says of the frame
+  /// `duration_ns` later; nullopt if that is too short or too long a time.
   [[nodiscard]] std::optional<MotionPrior> prior(const SE3& T_reference_previous, int64_t duration_ns) const;
+
+  /// Returns whether a pose that landmarks determine with `pose_covariance` may follow from the motion
+  /// before: not where the camera or the map has jumped.
+  [[nodiscard]] static bool agrees(const MotionPrior& prior, const SE3& T_reference_camera,
+                                   const Matrix6d& pose_covariance);
 
   /// Resets the velocity to unknown, after tracking loss.
   void reset();

@@ -296,7 +296,7 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   rematched.evidence.attempts = 1;
   rematched.evidence.with_depth = count_with_depth(rematched.matches, local_map_);
   rematched.velocity = tracked.velocity;
-  move_as_before(rematched, *measured, sensor);
+  rematched = with_motion_prior(std::move(rematched), *measured, sensor);
   rematched.evidence.surfaces = tracked.evidence.surfaces;
   rematched.evidence.moved_share = tracked.evidence.moved_share;
   rematched.evidence.fixed_share = tracked.evidence.fixed_share;
@@ -325,7 +325,7 @@ TrackedFrame Tracker::start_map_or_lose(const Frame& frame) const {
 /// it.
 TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const {
   tracked.velocity = velocity_of(tracked);
-  move_as_before(tracked, *measured.features, sensor);
+  tracked = with_motion_prior(std::move(tracked), *measured.features, sensor);
   if (tracked.is_located() && tracked.reference == local_map_.reference) {
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
@@ -394,12 +394,13 @@ Velocity Tracker::velocity_of(const TrackedFrame& tracked) const {
 
 /// Where the landmarks leave the pose uncertain, lets the motion before decide; likewise the velocity. Both
 /// are estimated from the keypoints as they were measured.
-void Tracker::move_as_before(TrackedFrame& tracked, const Features& measured, const Sensor& sensor) const {
+TrackedFrame Tracker::with_motion_prior(TrackedFrame tracked, const Features& measured,
+                                        const Sensor& sensor) const {
   if (!tracked.is_tracked_by_landmarks() || !follows_previous(tracked) ||
       tracked.reference != local_map_.reference || previous_->reference != local_map_.reference)
-    return;
+    return tracked;
   const auto prior = motion_.prior(previous_->T_reference_camera, tracked.stamp_ns - previous_->stamp_ns);
-  if (!prior) return;
+  if (!prior || !MotionModel::agrees(*prior, tracked.T_reference_camera, tracked.covariance)) return tracked;
   std::vector<PoseObservation> observations;
   for (const auto& [landmark, feature] : tracked.matches) {
     const auto known = local_map_.index_of.find(landmark);
@@ -409,9 +410,10 @@ void Tracker::move_as_before(TrackedFrame& tracked, const Features& measured, co
   }
   const auto found =
       solve_moving_pose(sensor, observations, tracked.T_reference_camera, *prior, options_.tracking.pose);
-  if (!found) return;
+  if (!found) return tracked;
   tracked.T_reference_camera = found->T_world_camera;
   tracked.velocity = found->velocity;
+  return tracked;
 }
 
 /// Returns the frame as an ideal global-shutter camera would have measured it, given its motion.

@@ -118,7 +118,8 @@ class Tracker {
   [[nodiscard]] TrackedFrame start_map_or_lose(const Frame& frame) const;
   [[nodiscard]] TrackedFrame with_motion(TrackedFrame tracked, Frame measured, const Sensor& sensor) const;
   [[nodiscard]] Velocity velocity_of(const TrackedFrame& tracked) const;
-  void move_as_before(TrackedFrame& tracked, const Features& measured, const Sensor& sensor) const;
+  [[nodiscard]] TrackedFrame with_motion_prior(TrackedFrame tracked, const Features& measured,
+                                               const Sensor& sensor) const;
   [[nodiscard]] Frame deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const;
   [[nodiscard]] bool follows_weak_pose() const;
   [[nodiscard]] bool remains_weak(const TrackedFrame& tracked) const;

@@ -144,5 +144,17 @@ TEST(MotionModel, APriorOfTheTrueMotionReducesTheError) {
   EXPECT_LT(estimated_squares, 0.7 * measured_squares);
 }
 
+TEST(MotionModel, APoseThatJumpsDoesNotFollowFromTheMotionBefore) {
+  constexpr int64_t kInterval_ns = kNsPerSecond / 30;
+  const Matrix6d precise = pose_covariance(1e-4);
+  MotionModel model;
+  for (int i = 0; i < 10; ++i) model.update({}, kInterval_ns, precise);
+  const auto prior = model.prior({}, kInterval_ns);
+  EXPECT_TRUE(MotionModel::agrees(*prior, motion_of(0.005), precise));
+  EXPECT_FALSE(MotionModel::agrees(*prior, motion_of(0.1), precise));
+  EXPECT_TRUE(MotionModel::agrees(*prior, motion_of(0.1), pose_covariance(0.1)))
+      << "an uncertain pose may be off";
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -11,6 +11,9 @@ namespace {
 /// A frame is fused once the map has so many keyframes after its own: by then local adjustment has moved it.
 constexpr size_t kLaterKeyframes = 2;
 
+/// Finer voxels would fill the memory for them with a single view.
+constexpr double kMinVoxel_m = 0.01;
+
 /// It does not wait longer than until so many others do: a camera at rest makes no keyframes.
 constexpr size_t kMaxWaiting = 8;
 
@@ -19,7 +22,7 @@ constexpr size_t kMaxWaiting = 8;
 IncrementalMesh::IncrementalMesh(const PinholeCamera& camera, const ViewerOptions& options)
     : options_(options),
       raw_pixels_(undistortion_of(camera)),
-      mesh_({.voxel_m = options.voxel_m, .limits = options.limits}) {}
+      mesh_({.voxel_m = std::max(options.voxel_m, kMinVoxel_m), .limits = options.limits}) {}
 
 void IncrementalMesh::add(const std::deque<MeshFrame>& frames) {
   queue_.insert(queue_.end(), frames.begin(), frames.end());

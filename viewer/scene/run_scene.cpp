@@ -5,7 +5,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/geometry/up_direction.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "kinloop/tracking/front_end.hpp"
@@ -140,20 +139,14 @@ void RunScene::add_keyframe(const ImageEvent& image) {
   next_up_ = Clock::now() + std::chrono::seconds(3);
 }
 
-/// On a machine that leaves the viewer little time, most of it is for the rest.
 void RunScene::update_mesh(const RunEvents& events, const RunState& state) {
   finished_ |= events.replaces_all;
   mesh_->add(events.mesh_frames);
-  if (Clock::now() < next_mesh_) return;
-  const Stopwatch watch;
   const SensorEstimate sensor = state.sensor.value_or(nominal_estimate(info_.camera));
   const auto changed =
       mesh_->update(map_.T_world_keyframe, time_calibrated_camera(info_.camera, sensor), finished_);
   for (const MeshPiece& piece : changed)
     scene_.put(PartKind::kMeshPiece, piece.index, encode_mesh_piece(piece));
-  constexpr double kRest = 3;  // times the time that the thread had to wait
-  const double waited_s = watch.wall_s() - watch.cpu_s();
-  next_mesh_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(duration<double>(kRest * waited_s));
 }
 
 void RunScene::show_images(const ImageEvent& image) {

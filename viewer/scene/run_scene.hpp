@@ -70,7 +70,7 @@ class RunScene {
   double ate_m_ = 0;
   std::deque<std::pair<Clock::time_point, size_t>> counts_;  // frame counts over the last second or so
   Eigen::Vector3d up_ = {0, -1, 0};
-  Clock::time_point next_image_, next_comparison_, next_up_, next_mesh_;
+  Clock::time_point next_image_, next_comparison_, next_up_;
 };
 
 }  // namespace kinloop

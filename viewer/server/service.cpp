@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <thread>
 
 #include "kinloop/core/log.hpp"
-#include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/thread_priority.hpp"
 #include "viewer/server/server.hpp"
 
@@ -53,12 +51,12 @@ class ViewerService::Impl {
 
   /// Leaves at least half of the thread's time for sending, also on a machine with little time for it.
   void tick() {
-    const Stopwatch watch;
+    const auto began = std::chrono::steady_clock::now();
     browsers_ = server_.browsers();
     update_(scene_, browsers_);
     server_.send_changes();
-    const auto busy = std::chrono::milliseconds(std::lround(1e3 * watch.wall_s()));
-    timer_.expires_after(std::max(kBetweenUpdates, busy));
+    const auto busy = std::chrono::steady_clock::now() - began;
+    timer_.expires_after(std::max<std::chrono::steady_clock::duration>(kBetweenUpdates, busy));
     timer_.async_wait([this](boost::system::error_code error) {
       if (!error) tick();
     });

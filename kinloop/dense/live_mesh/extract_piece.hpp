@@ -29,8 +29,8 @@ struct SurfacePiece {
 SurfacePiece extract_piece(const TsdfBlocks& blocks, VoxelKey chunk, std::span<const uint32_t> present,
                            const TsdfScale& scale, double min_weight);
 
-/// Returns the piece without the triangles of which `is_left_out` says so of all corners, and without
-/// vertices that no triangle uses. `is_left_out(vertex)` is called once for each.
+/// Returns the piece without the triangles all of whose corners are left out, and without vertices that no
+/// triangle uses. `is_left_out(vertex)` is called once for each.
 SurfacePiece without_triangles(const SurfacePiece& piece,
                                const std::function<bool(size_t vertex)>& is_left_out);
 

@@ -43,9 +43,12 @@ class BlockFusion {
     const double half_m = kTsdfBlockEdge / 2.0 * scale_.voxel_m;
     const Eigen::Vector3d center = T_camera_blocks_ * (first_m + Eigen::Vector3d::Constant(half_m));
     if (center.z() - radius_m_ < kNearest_m) return false;
-    if (!may_change(block, center)) return false;
-    const auto [distance_weight, color_weight] = weights(center.z());
-    if (!update(*block.voxels, in_image(first_m, center), distance_weight, color_weight)) return false;
+    const double lag_s = view_.lag_s(view_.camera.color.project(center).y());
+    const Eigen::Vector3d center_at_depth = at_depth(center, lag_s);
+    if (center_at_depth.z() - radius_m_ < kNearest_m) return false;
+    if (!may_change(block, center_at_depth)) return false;
+    const auto [distance_weight, color_weight] = weights(center_at_depth.z());
+    if (!update(*block.voxels, in_image(first_m, lag_s), distance_weight, color_weight)) return false;
     block.has_solid = std::ranges::any_of(
         *block.voxels, [](const TsdfVoxel& voxel) { return voxel.weight > 0 && voxel.distance < 0; });
     return true;
@@ -77,15 +80,17 @@ class BlockFusion {
     return {in_units(TsdfVoxel::kWeightUnits), in_units(TsdfVoxel::kColorWeightUnits)};
   }
 
+  /// Where a point of the camera at the stamp is in the camera `lag_s` later, to first order.
+  [[nodiscard]] Eigen::Vector3d at_depth(const Eigen::Vector3d& p_camera, double lag_s) const {
+    return p_camera - lag_s * (view_.velocity.angular_rad_s.cross(p_camera) + view_.velocity.linear_m_s);
+  }
+
   /// The block moves rigidly relative to the camera from the stamp to the time of its depth, which is that of
   /// the row of its centre.
-  [[nodiscard]] BlockInImage in_image(const Eigen::Vector3d& first_m, const Eigen::Vector3d& center) const {
-    const double lag_s = view_.lag_s(view_.camera.color.project(center).y());
-    const Eigen::Matrix3d moved =
-        K_ * (Eigen::Matrix3d::Identity() - lag_s * skew(view_.velocity.angular_rad_s));
-    const Eigen::Vector3d shift = K_ * (lag_s * view_.velocity.linear_m_s);
-    const Eigen::Matrix3d steps = moved * T_camera_blocks_.R() * scale_.voxel_m;
-    return {(moved * (T_camera_blocks_ * first_m) - shift).cast<float>(),
+  [[nodiscard]] BlockInImage in_image(const Eigen::Vector3d& first_m, double lag_s) const {
+    const Eigen::Matrix3d turned = Eigen::Matrix3d::Identity() - lag_s * skew(view_.velocity.angular_rad_s);
+    const Eigen::Matrix3d steps = K_ * turned * T_camera_blocks_.R() * scale_.voxel_m;
+    return {(K_ * at_depth(T_camera_blocks_ * first_m, lag_s)).cast<float>(),
             {steps.col(0).cast<float>(), steps.col(1).cast<float>(), steps.col(2).cast<float>()}};
   }
 
@@ -96,12 +101,13 @@ class BlockFusion {
                                     static_cast<float>(i / kEdge / kEdge) * block.step[2];
       std::array<int, kEdge> cols{}, rows{};
       std::array<float, kEdge> z{};
-      for (size_t x = 0; x < kEdge; ++x) {  // without branches, so that it is vectorised
+      // Rounded without branches, so that it is vectorised: + 1.5 - 1, since a cast rounds towards zero.
+      for (size_t x = 0; x < kEdge; ++x) {
         const auto along = static_cast<float>(x);
         z[x] = first.z() + along * block.step[0].z();
         const float inverse = 1 / z[x];
-        cols[x] = static_cast<int>((first.x() + along * block.step[0].x()) * inverse + 0.5F);
-        rows[x] = static_cast<int>((first.y() + along * block.step[0].y()) * inverse + 0.5F);
+        cols[x] = static_cast<int>((first.x() + along * block.step[0].x()) * inverse + 1.5F) - 1;
+        rows[x] = static_cast<int>((first.y() + along * block.step[0].y()) * inverse + 1.5F) - 1;
       }
       for (size_t x = 0; x < kEdge; ++x)
         changed |= update(voxels[i + x], cols[x], rows[x], z[x], weight, color_weight);

@@ -3,6 +3,7 @@
 // that a correction of the map moves what it holds without touching it. All points are in that keyframe's
 // camera frame, metres.
 
+#include <algorithm>
 #include <unordered_map>
 
 #include <Eigen/Geometry>
@@ -26,7 +27,8 @@ struct MeshChunk {
   /// Whether its piece lacks surface, or most of the views: the more are fused, the less each changes.
   [[nodiscard]] bool is_due() const {
     constexpr uint32_t kFactor = 3, kGrowing = 4;
-    const uint32_t wanted = has_grown ? extracted_views + kGrowing : kFactor * extracted_views;
+    const uint32_t many = kFactor * extracted_views;
+    const uint32_t wanted = has_grown ? std::min(many, extracted_views + kGrowing) : many;
     return views > 0 && (extracted_views == 0 || views >= wanted);
   }
 };

@@ -6,10 +6,6 @@
 namespace kinloop {
 namespace {
 
-Vector6d deviation(const MotionPrior& prior, const SE3& T_world_camera) {
-  return (prior.mean.T_world_camera.inverse() * T_world_camera).log();
-}
-
 /// The normal equations of the measurements and the prior. That the velocity changes with the pose is left
 /// out of the derivatives: it moves the pixels by far less than the pose does.
 PoseNormal<6> linearize(const SE3& T_world_camera, const CameraObservations& observations,
@@ -17,7 +13,7 @@ PoseNormal<6> linearize(const SE3& T_world_camera, const CameraObservations& obs
   static const LinearColumns kColumns = LinearColumns::of_pose();
   const auto observed =
       observations.linearize({T_world_camera, prior.velocity_at(T_world_camera)}, sensor, kColumns);
-  const Vector6d x = deviation(prior, T_world_camera);
+  const Vector6d x = prior.deviation(T_world_camera);
   PoseNormal<6> normal;
   normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
   normal.H += prior.information;
@@ -28,8 +24,12 @@ PoseNormal<6> linearize(const SE3& T_world_camera, const CameraObservations& obs
 
 }  // namespace
 
+Vector6d MotionPrior::deviation(const SE3& T_world_camera) const {
+  return (mean.T_world_camera.inverse() * T_world_camera).log();
+}
+
 Velocity MotionPrior::velocity_at(const SE3& T_world_camera) const {
-  return Velocity::from_vector(mean.velocity.vector() + velocity_gain * deviation(*this, T_world_camera));
+  return Velocity::from_vector(mean.velocity.vector() + velocity_gain * deviation(T_world_camera));
 }
 
 std::optional<RollingShutterPose> solve_moving_pose(const Sensor& sensor,

@@ -1,5 +1,6 @@
 #pragma once
-// Estimates the pose of a moving camera from its measurements of given points and from its motion before.
+// Estimates the pose of a moving camera from its measurements of given points and from its motion before. The
+// world is the reference frame of the observations.
 
 #include <optional>
 #include <span>
@@ -13,6 +14,9 @@ struct MotionPrior {
   RollingShutterPose mean;
   Matrix6d information;    ///< of x, where the pose is that of the mean * exp(x); relative to assumed noise
   Matrix6d velocity_gain;  ///< by which the expected velocity changes with x, 1/s
+
+  /// Returns x of a pose.
+  [[nodiscard]] Vector6d deviation(const SE3& T_world_camera) const;
 
   /// Returns the expected velocity at a pose.
   [[nodiscard]] Velocity velocity_at(const SE3& T_world_camera) const;

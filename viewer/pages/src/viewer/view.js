@@ -38,7 +38,7 @@ export class View {
     this.isOriented = false; // whether up is known, so that there may be a room
     this.eyeDome = new EyeDome();
     this.shades = true;
-    this.shadesMoving = true; // false after slow frames, until the view rests; so is a mesh beside the cloud
+    this.shadesMoving = true; // false after slow frames, until the view rests; nor is a mesh drawn beside the cloud
     this.shaded = false; // the last frame
     this.onMeasured = () => {};
     this.onDrawn = () => {};
