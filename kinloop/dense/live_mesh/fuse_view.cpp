@@ -97,8 +97,9 @@ class BlockFusion {
   bool update(TsdfVoxels& voxels, const BlockInImage& block, float weight, float color_weight) const {
     bool changed = false;
     for (size_t i = 0; i < kTsdfBlockVoxels; i += kEdge) {
-      const Eigen::Vector3f first = block.first + static_cast<float>(i / kEdge % kEdge) * block.step[1] +
-                                    static_cast<float>(i / kEdge / kEdge) * block.step[2];
+      const size_t row = i / kEdge % kEdge, layer = i / (kEdge * kEdge);
+      const Eigen::Vector3f first =
+          block.first + static_cast<float>(row) * block.step[1] + static_cast<float>(layer) * block.step[2];
       std::array<int, kEdge> cols{}, rows{};
       std::array<float, kEdge> z{};
       // Rounded without branches, so that it is vectorised: + 1.5 - 1, since a cast rounds towards zero.
@@ -138,7 +139,7 @@ class BlockFusion {
     for (size_t i = 0; i < 3; ++i) {
       const auto before = static_cast<float>(voxel.color[i]);
       const auto measured = static_cast<float>(bgr[2 - static_cast<int>(i)]);
-      voxel.color[i] = static_cast<uint8_t>(before + (measured - before) * share + 0.5F);
+      voxel.color[i] = static_cast<uint8_t>(std::lround(before + (measured - before) * share));
     }
     constexpr float kMaxWeight = 255;
     voxel.color_weight = static_cast<uint8_t>(std::min(total, kMaxWeight));

@@ -52,7 +52,8 @@ ViewAgreement Submap::agreement(std::span<const Eigen::Vector3f> points) const {
     const TsdfVoxel& there = (*block->voxels)[index_in_tsdf_block(voxel)];
     if (there.weight == 0) continue;
     ++found.known;
-    found.agreeing += std::abs(there.distance) < kAgreeing * TsdfVoxel::kDistanceUnits ? 1 : 0;
+    found.agreeing +=
+        static_cast<float>(std::abs(there.distance)) < kAgreeing * TsdfVoxel::kDistanceUnits ? 1 : 0;
   }
   return found;
 }
