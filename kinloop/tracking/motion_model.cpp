@@ -98,10 +98,9 @@ void MotionModel::reset() {
 }
 
 MotionModel::MotionCovariance MotionModel::unknown_velocity() {
-  const auto square = [](double value) { return value * value; };
   MotionCovariance covariance = MotionCovariance::Zero();
-  covariance.diagonal() << per_axis(square(kMapNoise_m), square(kMapNoise_rad)),
-      per_axis(square(kDefaultSpeed_m_s), square(kDefaultTurnRate_rad_s));
+  covariance.diagonal() << per_axis(kMapNoise_m, kMapNoise_rad).cwiseAbs2(),
+      per_axis(kDefaultSpeed_m_s, kDefaultTurnRate_rad_s).cwiseAbs2();
   return covariance;
 }
 

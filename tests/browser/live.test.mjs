@@ -9,12 +9,12 @@ import { withBrowser, paintedPixels, seen, until } from './harness.mjs';
 
 const WAITING = ['--set', 'viewer.paused=true', '--set', 'sim.width=320', '--set', 'sim.height=240'];
 const FEW_FRAMES = 60;
-const meshPieces = (page) =>
+const meshIsAtKeyframes = (page) =>
   page.evaluate(() => {
     const { world } = window.kinloop;
-    return [...world.meshPieces.values()].map(({ object, anchor }) => {
+    return [...world.meshPieces.values()].every(({ object, anchor }) => {
       const pose = world.poses.at(anchor);
-      return { atAnchor: pose && object.matrix.equals(pose.clone().multiply(object.userData.toAnchor)) };
+      return pose && object.matrix.equals(pose.clone().multiply(object.userData.toAnchor));
     });
   });
 const frame = ({ facts }) => Number(facts.match(/frame\s+(\d+)/)?.[1]);
@@ -129,7 +129,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await shoot(page, 'live-loop');
 
   // The mesh follows the correction.
-  await until(async () => (await meshPieces(page)).every(({ atAnchor }) => atAnchor), 'pieces are at their keyframes');
+  await until(() => meshIsAtKeyframes(page), 'pieces are at their keyframes');
 
   assert.equal(await run.ended, 0, run.text);
   await until(async () => (await seen(page)).message.includes('closed'), 'the page reports that the connection is lost');

@@ -87,6 +87,13 @@ class RunSceneTest : public testing::Test {
  protected:
   void update(bool watched = true) { run_scene_.update(feed_.take(), {}, watched); }
 
+  void show_frames(int count) {
+    for (int i = 0; i < count; ++i) {
+      run_.frame();
+      update();
+    }
+  }
+
   std::optional<ScenePart> part(PartKind kind, uint32_t index = 0) {
     uint64_t seen = 0;
     while (const auto next = scene_.next_after(seen)) {
@@ -147,10 +154,7 @@ TEST_F(RunSceneTest, WithoutNewsNothingChanges) {
 }
 
 TEST_F(RunSceneTest, AMapCorrectionSendsOnlyPoses) {
-  for (int i = 0; i < 200; ++i) {
-    run_.frame();
-    update();
-  }
+  show_frames(200);
   const auto cloud = part(PartKind::kCloud, 0), path = part(PartKind::kPath, 0),
              later = part(PartKind::kKeyframes, 1);
   ASSERT_TRUE(cloud && path && later);
@@ -167,10 +171,7 @@ TEST_F(RunSceneTest, AMapCorrectionSendsOnlyPoses) {
 }
 
 TEST_F(RunSceneTest, AMapCorrectionMovesTheMeshByPosesAlone) {
-  for (int i = 0; i < 40; ++i) {
-    run_.frame();
-    update();
-  }
+  show_frames(40);
   const auto before = test::parts(scene_, PartKind::kMeshPiece);
   ASSERT_FALSE(before.empty());
   MapUpdate bend;
@@ -186,10 +187,7 @@ TEST_F(RunSceneTest, AMapCorrectionMovesTheMeshByPosesAlone) {
 }
 
 TEST_F(RunSceneTest, OfTheMeshOnlyPiecesThatChangedAreSent) {
-  for (int i = 0; i < 40; ++i) {
-    run_.frame();
-    update();
-  }
+  show_frames(40);
   const auto before = test::parts(scene_, PartKind::kMeshPiece);
   ASSERT_FALSE(before.empty());
   run_.frame();

@@ -55,7 +55,8 @@ struct RunEvents {
 
 class RunFeed : public Listener {
  public:
-  /// Maximum number of queued keyframe images; beyond it the oldest is dropped, along with its points.
+  /// Maximum number of queued keyframe images, and of frames for the mesh; beyond it the oldest is dropped,
+  /// along with its points.
   static constexpr size_t kMaxQueuedKeyframes = 32;
 
   /// The mesh is made of all keyframes and, in between, of every n-th frame.

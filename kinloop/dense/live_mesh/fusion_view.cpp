@@ -54,9 +54,9 @@ std::vector<Eigen::Vector3f> sampled_surface(const FusionView& view, int stride_
 
 DepthTiles::DepthTiles(const cv::Mat& depth_m) : columns_((depth_m.cols + kTileEdgePx - 1) / kTileEdgePx) {
   const int rows = (depth_m.rows + kTileEdgePx - 1) / kTileEdgePx;
-  tiles_.resize(static_cast<size_t>(rows) * static_cast<size_t>(columns_), kUnknown);
+  tiles_.resize(index(rows, 0), kUnknown);
   for (int row = 0; row < depth_m.rows; ++row) {
-    Range* tiles = &tiles_[static_cast<size_t>(row / kTileEdgePx) * static_cast<size_t>(columns_)];
+    Range* tiles = &tiles_[index(row / kTileEdgePx, 0)];
     const auto* depths_m = depth_m.ptr<float>(row);
     for (int col = 0; col < depth_m.cols; ++col) {
       const float z = std::abs(depths_m[col]);
@@ -70,8 +70,7 @@ DepthTiles::Range DepthTiles::range(const cv::Rect& pixels) const {
   const cv::Point last = pixels.br() - cv::Point(1, 1);
   for (int row = pixels.y / kTileEdgePx; row <= last.y / kTileEdgePx; ++row) {
     for (int col = pixels.x / kTileEdgePx; col <= last.x / kTileEdgePx; ++col)
-      found = joined(
-          found, tiles_[static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(col)]);
+      found = joined(found, tiles_[index(row, col)]);
   }
   return found;
 }

@@ -46,6 +46,10 @@ class DepthTiles {
   [[nodiscard]] Range range(const cv::Rect& pixels) const;
 
  private:
+  [[nodiscard]] size_t index(int row, int col) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(col);
+  }
+
   int columns_ = 0;
   std::vector<Range> tiles_;
 };

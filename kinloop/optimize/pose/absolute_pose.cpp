@@ -17,13 +17,6 @@ BundleView static_view(const SE3& T_reference_camera) {
   return {T_reference_camera, Velocity{}};
 }
 
-void add_prior(PoseNormal<6>& normal, const PosePrior& prior, const SE3& T) {
-  const Vector6d off = (prior.T_reference_camera.inverse() * T).log();
-  normal.H += prior.information;
-  normal.g += prior.information * off;
-  normal.cost += off.dot(prior.information * off);
-}
-
 class Solver {
  public:
   Solver(const Sensor& sensor, std::span<const PoseObservation> observations,
@@ -52,7 +45,7 @@ class Solver {
     // robust estimator.
     Sensor unweighted = sensor_;
     unweighted.noise.robust_width = std::numeric_limits<double>::infinity();
-    const PoseNormal<6> observed = linearize_observations(T, unweighted);
+    const PoseNormal<6> observed = observations_.linearize_pose(static_view(T), unweighted);
     s.chi2 = observed.cost;
     const double efficiency = huber_efficiency(sensor_.noise.robust_width);
     s.information = efficiency * observed.H;
@@ -67,19 +60,8 @@ class Solver {
  private:
   /// The observations and the prior, if there is one.
   [[nodiscard]] PoseNormal<6> linearize(const SE3& T) const {
-    PoseNormal<6> normal = linearize_observations(T, sensor_);
-    if (prior_) add_prior(normal, *prior_, T);
-    return normal;
-  }
-
-  [[nodiscard]] PoseNormal<6> linearize_observations(const SE3& T, const Sensor& sensor) const {
-    static const LinearColumns kColumns = LinearColumns::of_pose();
-    const auto observed = observations_.linearize(static_view(T), sensor, kColumns);
-    PoseNormal<6> normal;
-    normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
-    normal.g = observed.gram.col(LinearColumns::kResidual).head<6>();
-    normal.cost = observed.cost;
-    return normal;
+    const PoseNormal<6> normal = observations_.linearize_pose(static_view(T), sensor_);
+    return prior_ ? with_prior(normal, *prior_, T) : normal;
   }
 
   Sensor sensor_;

@@ -111,6 +111,30 @@ CameraObservations::Normal CameraObservations::linearize(const BundleView& view,
   return normal;
 }
 
+void CameraObservations::classify_guess(const BundleView& view, const Sensor& sensor, int min_inliers) {
+  const CameraObservations all = *this;
+  classify(view, sensor);
+  if (inlier_count() < min_inliers) *this = all;
+}
+
+PoseNormal<6> CameraObservations::linearize_pose(const BundleView& view, const Sensor& sensor) const {
+  static const LinearColumns kColumns = LinearColumns::of_pose();
+  const Normal observed = linearize(view, sensor, kColumns);
+  PoseNormal<6> normal;
+  normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
+  normal.g = observed.gram.col(LinearColumns::kResidual).head<6>();
+  normal.cost = observed.cost;
+  return normal;
+}
+
+PoseNormal<6> with_prior(PoseNormal<6> normal, const PosePrior& prior, const SE3& T_reference_camera) {
+  const Vector6d off = (prior.T_reference_camera.inverse() * T_reference_camera).log();
+  normal.H += prior.information;
+  normal.g += prior.information * off;
+  normal.cost += off.dot(prior.information * off);
+  return normal;
+}
+
 CameraObservations observations_of(std::span<const PoseObservation> observations) {
   CameraObservations result(observations.size());
   for (size_t i = 0; i < observations.size(); ++i) {

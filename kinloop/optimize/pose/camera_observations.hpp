@@ -9,6 +9,7 @@
 
 #include "kinloop/optimize/kernels/observation_block.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
+#include "kinloop/optimize/pose/pose_minimizer.hpp"
 #include "kinloop/sensor/keypoint_measurement.hpp"
 
 namespace kinloop {
@@ -45,6 +46,10 @@ class CameraObservations {
   /// Classifies inliers and outliers, pixel and depth separately; true if anything changed.
   bool classify(const BundleView& view, const Sensor& sensor);
 
+  /// Drops the outliers of a guess if at least `min_inliers` are left: with a good guess they are known from
+  /// the start.
+  void classify_guess(const BundleView& view, const Sensor& sensor, int min_inliers);
+
   [[nodiscard]] std::vector<uint8_t> inliers() const;  ///< 1 = in use
   [[nodiscard]] int inlier_count() const;
 
@@ -58,6 +63,9 @@ class CameraObservations {
   [[nodiscard]] Normal linearize(const BundleView& view, const Sensor& sensor,
                                  const LinearColumns& layout) const;
 
+  /// The normal equations of the pose alone.
+  [[nodiscard]] PoseNormal<6> linearize_pose(const BundleView& view, const Sensor& sensor) const;
+
  private:
   size_t count_;
   std::vector<ObservationBlock> blocks_;
@@ -65,5 +73,8 @@ class CameraObservations {
 
 /// Returns the observations of a camera. Those with values that are not finite stay unused.
 CameraObservations observations_of(std::span<const PoseObservation> observations);
+
+/// Adds the prior of a pose to its normal equations at `T_reference_camera`.
+PoseNormal<6> with_prior(PoseNormal<6> normal, const PosePrior& prior, const SE3& T_reference_camera);
 
 }  // namespace kinloop

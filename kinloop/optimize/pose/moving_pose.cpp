@@ -1,7 +1,6 @@
 #include "kinloop/optimize/pose/moving_pose.hpp"
 
 #include "kinloop/optimize/pose/camera_observations.hpp"
-#include "kinloop/optimize/pose/pose_minimizer.hpp"
 
 namespace kinloop {
 namespace {
@@ -10,16 +9,9 @@ namespace {
 /// out of the derivatives: it moves the pixels by far less than the pose does.
 PoseNormal<6> linearize(const SE3& T_world_camera, const CameraObservations& observations,
                         const Sensor& sensor, const MotionPrior& prior) {
-  static const LinearColumns kColumns = LinearColumns::of_pose();
-  const auto observed =
-      observations.linearize({T_world_camera, prior.velocity_at(T_world_camera)}, sensor, kColumns);
-  const Vector6d x = prior.deviation(T_world_camera);
-  PoseNormal<6> normal;
-  normal.H = observed.gram.topLeftCorner<6, 6>().selfadjointView<Eigen::Upper>();
-  normal.H += prior.information;
-  normal.g = observed.gram.col(LinearColumns::kResidual).head<6>() + prior.information * x;
-  normal.cost = observed.cost + x.dot(prior.information * x);
-  return normal;
+  const BundleView view{T_world_camera, prior.velocity_at(T_world_camera)};
+  return with_prior(observations.linearize_pose(view, sensor), {prior.mean.T_world_camera, prior.information},
+                    T_world_camera);
 }
 
 }  // namespace
@@ -37,17 +29,14 @@ std::optional<RollingShutterPose> solve_moving_pose(const Sensor& sensor,
                                                     const SE3& guess, const MotionPrior& prior,
                                                     const AbsolutePoseOptions& options) {
   constexpr int kRounds = 2;  // the outliers are known from the solution without a prior
-  const CameraObservations all = observations_of(observations);
-  CameraObservations used = all;
+  CameraObservations used = observations_of(observations);
   SE3 T = guess;
-  const auto classify = [&] { return used.classify({T, prior.velocity_at(T)}, sensor); };
-  classify();
-  if (used.inlier_count() < options.min_inliers) used = all;  // the guess is far off
+  used.classify_guess({T, prior.velocity_at(T)}, sensor, options.min_inliers);
   for (int round = 0; round < kRounds; ++round) {
     T = minimize_pose<6>(
         T, options.max_iterations, [&](const SE3& at) { return linearize(at, used, sensor, prior); },
         [](const SE3& at, const Vector6d& step) { return at * SE3::exp(step); });
-    const bool changed = classify();
+    const bool changed = used.classify({T, prior.velocity_at(T)}, sensor);
     if (used.inlier_count() < options.min_inliers) return std::nullopt;
     if (!changed) break;
   }

@@ -23,12 +23,8 @@ class RollingShutterSolver {
   /// Classifies inliers and outliers; true if anything changed.
   bool classify(const RollingShutterPose& pose) { return observations_.classify(view_of(pose), sensor_); }
 
-  /// Drops the outliers of the guess if it has enough inliers: with a good guess they are known from the
-  /// start.
   void classify_guess(const RollingShutterPose& guess) {
-    const CameraObservations all = observations_;
-    classify(guess);
-    if (inliers() < options_.min_inliers) observations_ = all;
+    observations_.classify_guess(view_of(guess), sensor_, options_.min_inliers);
   }
 
   [[nodiscard]] int inliers() const { return observations_.inlier_count(); }
