@@ -44,7 +44,7 @@ enum class RunEnd { kComplete, kInterrupted, kSourceFailed };
 struct FrameHooks {
   Progress progress;
   std::function<void()> wait_until_resumed;            ///< waits while the run is paused
-  std::function<void(const TrackedFrame&)> send_pose;  ///< as soon as the frame is tracked
+  std::function<void(const TrackedFrame&)> send_pose;  ///< as soon as it is known
 };
 
 /// Processes all frames. A source that fails after its first frame ends the run like Ctrl-C does: what has
@@ -67,11 +67,13 @@ RunEnd process_all(Session& session, RunOutput& output, const FrameHooks& hooks)
   };
   while (const auto frame = next()) {
     if (hooks.wait_until_resumed) hooks.wait_until_resumed();
-    const TrackedFrame result = session.process(*frame);
-    if (hooks.send_pose) hooks.send_pose(result);
+    const TrackedFrame tracked = session.track(*frame);
+    output.record_pose(tracked);
+    if (hooks.send_pose) hooks.send_pose(tracked);
+    const TrackedFrame mapped = session.update_map();
     ++done;
     if (hooks.progress)
-      hooks.progress({"mapping", done, frames, progress_note(result, session.slam().map())});
+      hooks.progress({"mapping", done, frames, progress_note(mapped, session.slam().map())});
     output.save_if_due();
     if (interrupted()) break;
   }

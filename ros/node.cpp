@@ -59,14 +59,15 @@ void run(const ros::NodeHandle& node) {
                      text_parameter(node, "camera_frame", "kinloop_camera")});
   size_t frames = 0, tracked = 0, doubtful = 0;
   while (const auto frame = session.next()) {
-    const TrackedFrame result = session.process(*frame);
+    const TrackedFrame given = session.track(*frame);
+    if (!given.is_lost()) output.publish_pose(given);
+    const TrackedFrame mapped = session.update_map();
     ++frames;
-    if (result.is_lost()) continue;
-    ++(result.doubtful ? doubtful : tracked);
-    output.publish_pose(result);
-    if (!result.keyframe.valid()) continue;
+    if (mapped.is_lost()) continue;
+    ++(mapped.doubtful ? doubtful : tracked);
+    if (!mapped.keyframe.valid()) continue;
     output.publish_path(session.trajectory());
-    output.publish_cloud(result);
+    output.publish_cloud(mapped);
   }
   output.publish_path(session.finish());
   const auto skipped = source.skipped();

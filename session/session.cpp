@@ -54,9 +54,9 @@ std::optional<Frame> Session::next() {
   return pipeline_->next();
 }
 
-TrackedFrame Session::process(const Frame& frame) {
+TrackedFrame Session::track(const Frame& frame) {
   input_.observe(frame);
-  return slam_.process(frame);
+  return slam_.track(frame);
 }
 
 const Trajectory& Session::finish(const Progress& progress) {

@@ -77,7 +77,14 @@ class Session {
 
   /// Processes a frame returned by `next`. Call in order. Throws InputError if it is certain that nothing
   /// useful can come of such frames.
-  TrackedFrame process(const Frame& frame);
+  TrackedFrame process(const Frame& frame) {
+    track(frame);
+    return update_map();
+  }
+
+  /// The two parts of `process`, see Slam: the pose as soon as it is known, then the map.
+  TrackedFrame track(const Frame& frame);
+  TrackedFrame update_map() { return slam_.update_map(); }
 
   /// Ends the run, also before the end of the source: adjusts the whole map and refines every frame.
   const Trajectory& finish(const Progress& progress = {});

@@ -13,21 +13,23 @@ const char* frame_status(const TrackedFrame& tracked) {
   return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
 }
 
-void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+void FrameRecorder::record_pose(const TrackedFrame& tracked) {
   using Milliseconds = std::chrono::duration<double, std::milli>;
   if (const auto read_at = tracked.frame->time.read_at)
     latencies_ms_.push_back(Milliseconds(std::chrono::steady_clock::now() - *read_at).count());
   ages_ms_.push_back(Milliseconds(std::chrono::system_clock::now().time_since_epoch()).count() -
                      1e-6 * static_cast<double>(tracked.stamp_ns));
-  const size_t frame = feature_counts_.size();
-  feature_counts_.push_back(static_cast<int>(tracked.features().size()));
   if (tracked.is_lost() || tracked.doubtful) return;
   std::optional<uint32_t> component;
   if (tracked.reference.value < component_of_.size()) component = component_of_[tracked.reference.value];
-  live_poses_.push_back({frame,
+  live_poses_.push_back({feature_counts_.size(),
                          tracked.reference,
                          component,
                          {tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance}});
+}
+
+void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  feature_counts_.push_back(static_cast<int>(tracked.features().size()));
 }
 
 void FrameRecorder::on_map(const Map& map) {

@@ -19,6 +19,9 @@ const char* frame_status(const TrackedFrame& tracked);
 /// they agree with trajectory.txt: frames that were lost may have been found since.
 class FrameRecorder : public Listener {
  public:
+  /// Records the pose of a frame as it is given, before the frame is mapped. Call for each frame.
+  void record_pose(const TrackedFrame& tracked);
+
   void on_frame(const TrackedFrame& tracked) override;
   void on_map(const Map& map) override;
 

@@ -35,6 +35,9 @@ class RunOutput {
   RunOutput(const RunOutput&) = delete;
   RunOutput& operator=(const RunOutput&) = delete;
 
+  /// Records the pose of a frame as it is given. Call for each frame before it is mapped.
+  void record_pose(const TrackedFrame& tracked) { frames_.record_pose(tracked); }
+
   /// Saves the map file if it is due, see MapSaver.
   void save_if_due();
 

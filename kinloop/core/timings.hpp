@@ -15,7 +15,7 @@ struct Timings {
     std::vector<double> samples_ms;  ///< wall time of each call, per frame or per keyframe
   };
   std::map<std::string, Module> modules;
-  std::vector<double> frame_ms;  ///< `Slam::process` plus the preparation of the frame
+  std::vector<double> frame_ms;  ///< preparation, tracking and mapping of each frame
 
   void add(const std::string& module, const ElapsedTime& elapsed) {
     Module& sum = modules[module];

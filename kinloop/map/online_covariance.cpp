@@ -29,30 +29,38 @@ Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma) {
 
 Matrix6d OnlineCovariance::add(const TrackedFrame& tracked) {
   add_to_scatter(tracked);
-  if (tracked.is_lost()) return Matrix6d::Zero();
-  const auto make_room_for = [this](KeyframeId id) {
-    if (id.value < keyframes_.size()) return;
-    keyframes_.resize(id.value + 1, Matrix6d::Zero());
-    T_first_keyframe_.resize(id.value + 1);
-  };
-  const KeyframeId reference = tracked.reference, keyframe = tracked.keyframe;
-  make_room_for(reference);
-  if (keyframe.valid()) make_room_for(keyframe);
+  if (tracked.is_lost() || tracked.covariance.isZero(0)) return Matrix6d::Zero();
+  make_room_for(tracked.reference);
+  Matrix6d covariance = transported(keyframes_[tracked.reference.value], tracked.T_reference_camera) +
+                        tracked.covariance + scatter_;
+  if (const auto T = T_first_camera(tracked)) covariance += covariance_of_scale(*T, scale_sigma_);
+  return covariance;
+}
+
+void OnlineCovariance::add_keyframe(const TrackedFrame& tracked) {
+  const KeyframeId keyframe = tracked.keyframe;
+  make_room_for(keyframe);
   if (tracked.outcome == TrackingOutcome::kNewMap) {
     T_first_keyframe_[keyframe.value] = SE3{};
-    return Matrix6d::Zero();
+    return;
   }
-  std::optional<SE3> T_first_camera = T_first_keyframe_[reference.value];
-  if (T_first_camera) *T_first_camera = *T_first_camera * tracked.T_reference_camera;
-  const Matrix6d of_reference = transported(keyframes_[reference.value], tracked.T_reference_camera);
-  if (keyframe.valid()) {
-    keyframes_[keyframe.value] = of_reference + kDriftFactor * tracked.covariance;
-    T_first_keyframe_[keyframe.value] = T_first_camera;
-  }
-  if (tracked.covariance.isZero(0)) return Matrix6d::Zero();
-  Matrix6d covariance = of_reference + tracked.covariance + scatter_;
-  if (T_first_camera) covariance += covariance_of_scale(*T_first_camera, scale_sigma_);
-  return covariance;
+  make_room_for(tracked.reference);
+  keyframes_[keyframe.value] = transported(keyframes_[tracked.reference.value], tracked.T_reference_camera) +
+                               kDriftFactor * tracked.covariance;
+  T_first_keyframe_[keyframe.value] = T_first_camera(tracked);
+}
+
+void OnlineCovariance::make_room_for(KeyframeId id) {
+  if (id.value < keyframes_.size()) return;
+  keyframes_.resize(id.value + 1, Matrix6d::Zero());
+  T_first_keyframe_.resize(id.value + 1);
+}
+
+/// The pose in the keyframe that started the component; none in a loaded map.
+std::optional<SE3> OnlineCovariance::T_first_camera(const TrackedFrame& tracked) const {
+  const auto& T_first_reference = T_first_keyframe_[tracked.reference.value];
+  if (!T_first_reference) return std::nullopt;
+  return *T_first_reference * tracked.T_reference_camera;
 }
 
 void OnlineCovariance::add_to_scatter(const TrackedFrame& tracked) {

@@ -32,11 +32,16 @@ class OnlineCovariance {
   /// exp(x), relative to the keyframe that started the component. Zero if unknown. Call once a frame.
   Matrix6d add(const TrackedFrame& tracked);
 
+  /// Records the covariance of a frame that has become a keyframe.
+  void add_keyframe(const TrackedFrame& tracked);
+
   /// Returns the covariance of each keyframe, by its id. Those of loaded maps are zero: the map is the
   /// reference.
   [[nodiscard]] const std::vector<Matrix6d>& keyframes() const { return keyframes_; }
 
  private:
+  void make_room_for(KeyframeId id);
+  [[nodiscard]] std::optional<SE3> T_first_camera(const TrackedFrame& tracked) const;
   void add_to_scatter(const TrackedFrame& tracked);
 
   double scale_sigma_;

@@ -16,24 +16,26 @@
 namespace kinloop {
 namespace {
 
-/// Adds the time of a frame, from its decoding to the end of the scope.
+/// Adds the time of its scope to that of the latest frame.
 class FrameTimer {
  public:
-  FrameTimer(Timings& timings, const PreparationTime& before)
-      : timings_(timings), preparing_(before.preparing) {
-    timings_.add("decoding", before.decoding);
-    timings_.add("image preparation", before.preparing);
-    if (before.extracting.wall_s > 0) timings_.add("features", before.extracting);
-  }
-  ~FrameTimer() { timings_.frame_ms.push_back(1e3 * (watch_.wall_s() + preparing_.wall_s)); }
+  explicit FrameTimer(Timings& timings) : timings_(timings) {}
+  ~FrameTimer() { timings_.frame_ms.back() += 1e3 * watch_.wall_s(); }
   FrameTimer(const FrameTimer&) = delete;
   FrameTimer& operator=(const FrameTimer&) = delete;
 
  private:
   Timings& timings_;
-  ElapsedTime preparing_;
   Stopwatch watch_;
 };
+
+/// Begins the timing of a frame with what was done ahead.
+void begin_frame(Timings& timings, const PreparationTime& ahead) {
+  timings.add("decoding", ahead.decoding);
+  timings.add("image preparation", ahead.preparing);
+  if (ahead.extracting.wall_s > 0) timings.add("features", ahead.extracting);
+  timings.frame_ms.push_back(1e3 * ahead.preparing.wall_s);
+}
 
 bool is_prepared(const Frame& frame) {
   return !frame.gray.empty();
@@ -64,13 +66,14 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
                 [this](const Map& map, KeyframeId keyframe) { return places_.has_double(keyframe, map); }),
       online_covariance_(depth_scale_sigma(camera.sensor.kind)) {}
 
-TrackedFrame Slam::process(const Frame& frame) {
-  if (!is_prepared(frame)) return process(front_end_.prepare(frame));
+TrackedFrame Slam::track(const Frame& frame) {
+  if (!is_prepared(frame)) return track(front_end_.prepare(frame));
+  if (unmapped_) update_map();
   require(session_log().empty() || frame.stamp_ns > session_log().back().stamp_ns,
-          "process: frames must be in order of time");
-  const FrameTimer timer(timings_, frame.time);
+          "track: frames must be in order of time");
+  begin_frame(timings_, frame.time);
+  const FrameTimer timer(timings_);
   apply_results(back_end_.apply_due(frame.id));
-  submit_jobs(frame.id);
 
   const Frame usable = without_fixed_region(with_steady_depth(frame));
   const TrackingContext context{map_, sensor(), relocalizer_};
@@ -79,25 +82,39 @@ TrackedFrame Slam::process(const Frame& frame) {
   add_input_evidence(tracked);
   check_location(tracked);
   if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
-  if (auto selected = select_keyframe(tracked)) {
-    const bool rematched = selected->frame != tracked.frame;  // its keypoints show the place, patches do not
-    tracked = *std::move(selected);
-    if (rematched) check_location(tracked);
-    if (!tracked.is_lost() && !tracked.doubtful) insert_keyframe(tracked);
-  }
+  if (tracked.outcome == TrackingOutcome::kNewMap) tracked = with_keyframe(std::move(tracked));
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   odometry_.update(tracked, map_);
   tracked.T_map_odom = odometry_.T_map_odom();
   tracked.world_covariance = online_covariance_.add(tracked);
+  return unmapped_.emplace(std::move(tracked));
+}
+
+TrackedFrame Slam::update_map() {
+  require(unmapped_.has_value(), "update_map: no frame has been tracked since the last call");
+  const FrameTimer timer(timings_);
+  TrackedFrame tracked = *std::exchange(unmapped_, std::nullopt);
+  if (!tracked.keyframe.valid()) tracked = with_keyframe(std::move(tracked));
   if (tracked.is_repeat() && tracked.doubtful) doubt_repeats();
   add_to_log(tracked);
   tracker_.update(tracked, map_);
   withdraw_contradicted();
-  if (tracked.keyframe.valid()) {
-    find_loops(tracked.keyframe);
-    submit_jobs(frame.id, tracked.keyframe);
-  }
+  if (tracked.keyframe.valid()) find_loops(tracked.keyframe);
+  submit_jobs(tracked.id, tracked.keyframe);
   return publish(std::move(tracked));
+}
+
+/// Makes the frame a keyframe if it should be one, and then tracks it by all of its keypoints.
+TrackedFrame Slam::with_keyframe(TrackedFrame tracked) {
+  auto selected = select_keyframe(tracked);
+  if (!selected) return tracked;
+  const bool rematched = selected->frame != tracked.frame;  // its keypoints show the place, patches do not
+  selected->T_map_odom = tracked.T_map_odom;
+  selected->world_covariance = tracked.world_covariance;
+  if (rematched) check_location(*selected);
+  if (!selected->is_lost() && !selected->doubtful) insert_keyframe(*selected);
+  if (!selected->is_lost()) selected->T_world_camera = world_pose(*selected, map_);
+  return *std::move(selected);
 }
 
 /// Returns the frame with depth of the scale of the first frame, or without it if it is an old one.
@@ -173,6 +190,7 @@ void Slam::insert_keyframe(TrackedFrame& tracked) {
   } else if (visit_) {
     map_.set_visit(tracked.keyframe, *visit_);
   }
+  online_covariance_.add_keyframe(tracked);
   places_.add(map_.keyframe(tracked.keyframe));
   keyframe_memory_.apply_limit(map_);
   map_changed_ = true;
@@ -248,6 +266,7 @@ void Slam::state_covariances() {
 }
 
 Trajectory Slam::finish(const Progress& progress) {
+  if (unmapped_) update_map();
   apply_results(back_end_.apply_last(job_context()));
   const Stopwatch watch;
   const auto anywhere = [this](const Frame& frame) {

@@ -83,8 +83,29 @@ class Slam {
   /// Returns whether the next frame will probably be tracked by keypoints.
   [[nodiscard]] bool expects_keypoints() const { return tracker_.expects_keypoints(); }
 
-  /// Processes the next frame, prepared ahead or not. Frames must be in order of time.
-  TrackedFrame process(const Frame& frame);
+  /// Tracks the next frame, prepared ahead or not, and maps it. Frames must be in order of time.
+  TrackedFrame process(const Frame& frame) {
+    track(frame);
+    return update_map();
+  }
+
+  /// The first part of `process`: returns the pose as soon as it is known. Maps the frame before if that has
+  /// not been done.
+  TrackedFrame track(const Frame& frame);
+
+  /// The second part, which takes longest if the frame becomes a keyframe: adds the frame of the last `track`
+  /// to the log and to the map, and shows it to the listeners. Returns it: a keyframe has been tracked once
+  /// more, by all of its keypoints.
+  TrackedFrame update_map();
+
+  /// Returns whether a frame has been tracked that is not in the map yet.
+  [[nodiscard]] bool has_unmapped_frame() const { return unmapped_.has_value(); }
+
+  /// Returns the frame of the last `track`, as it is known now; null before the first.
+  [[nodiscard]] const TrackedFrame* latest() const {
+    if (unmapped_) return &*unmapped_;
+    return session_log().empty() ? nullptr : &log_.back();
+  }
 
   /// Ends the run: waits for background jobs, adjusts the whole map, refines every frame and bridges those
   /// that stay lost between good ones. Returns `trajectory()`.
@@ -147,11 +168,12 @@ class Slam {
   void apply_results(const AppliedResults& results);
   void follow_own_part(const std::vector<SE3>& T_world_keyframe_before);
   void apply_sensor_estimate(const SensorEstimate& estimate);
+  [[nodiscard]] TrackedFrame with_keyframe(TrackedFrame tracked);
   [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
   void insert_keyframe(TrackedFrame& tracked);
   void find_loops(KeyframeId keyframe);
   void join_components(uint32_t first);
-  void submit_jobs(FrameId now, KeyframeId new_keyframe = {});
+  void submit_jobs(FrameId now, KeyframeId new_keyframe);
   void finish_localization();
   void add_to_log(const TrackedFrame& tracked);
   void state_covariances();
@@ -187,8 +209,9 @@ class Slam {
   std::vector<Listener*> listeners_;
   std::optional<LocatedPlace> located_;
   std::optional<RefutedPlace> refuted_;
-  std::optional<uint32_t> visit_;  // in which the camera is; none before the first pose
-  bool map_changed_ = false;       // since the last notification of the listeners
+  std::optional<TrackedFrame> unmapped_;  // the latest frame, until `update_map`
+  std::optional<uint32_t> visit_;         // in which the camera is; none before the first pose
+  bool map_changed_ = false;              // since the last notification of the listeners
 };
 
 }  // namespace kinloop

@@ -61,8 +61,7 @@ void Run::require_unfinished() const {
   if (trajectory_) throw UsageError("Slam.process: finish() has ended this run; create another Slam");
 }
 
-TrackedFrame Run::process(const PyFrame& frame) {
-  const std::lock_guard lock(mutex_);
+Frame Run::prepared(const PyFrame& frame) {
   require_unfinished();
   require_size(frame.data, camera_.color);
   if (frame.prepared_for == 0 || frame.prepared_for == id_) {
@@ -71,11 +70,10 @@ TrackedFrame Run::process(const PyFrame& frame) {
       reader->prepare_for(id_, slam_->front_end(), slam_->expects_keypoints());
     }
   }
-  return process_next(frame.prepared_for == id_ ? frame.data : slam_->front_end().prepare(frame.raw()));
+  return frame.prepared_for == id_ ? frame.data : slam_->front_end().prepare(frame.raw());
 }
 
-TrackedFrame Run::process(const ArrayFrame& given) {
-  const std::lock_guard lock(mutex_);
+Frame Run::prepared(const ArrayFrame& given) {
   require_unfinished();
   Frame frame;
   frame.id = FrameId{next_id_};
@@ -84,10 +82,10 @@ TrackedFrame Run::process(const ArrayFrame& given) {
   frame.color = given.color;
   frame.depth_m = prepare_depth_(given.depth_m);
   frame.mask = given.mask;
-  return process_next(slam_->front_end().prepare(frame));
+  return slam_->front_end().prepare(frame);
 }
 
-TrackedFrame Run::process_next(Frame frame) {
+TrackedFrame Run::track_next(Frame frame) {
   if (frame.stamp_ns <= last_stamp_ns_) {
     throw UsageError(fmt::format("frame at {} s after one at {} s: stamps must increase",
                                  format_stamp(frame.stamp_ns), format_stamp(last_stamp_ns_)));
@@ -97,7 +95,13 @@ TrackedFrame Run::process_next(Frame frame) {
   frame.id.value = std::max(frame.id.value, first + next_id_);  // a second source begins with 0 again
   next_id_ = frame.id.value - first + 1;
   input_monitor_->observe(frame);
-  return slam_->process(frame);
+  return slam_->track(frame);
+}
+
+TrackedFrame Run::update_map() {
+  const std::lock_guard lock(mutex_);
+  if (!slam_->has_unmapped_frame()) throw UsageError("Slam.update_map: call track() before it");
+  return slam_->update_map();
 }
 
 Trajectory Run::finish(const Progress& progress) {

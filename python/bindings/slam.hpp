@@ -32,9 +32,22 @@ class Run {
  public:
   Run(const RgbdCamera& camera, const RunSettings& settings);
 
-  /// Both throw UsageError for images of another size than the camera's, and after `finish`.
-  TrackedFrame process(const PyFrame& frame);
-  TrackedFrame process(const ArrayFrame& frame);
+  /// Tracks a PyFrame or ArrayFrame. Throws UsageError for images of another size than the camera's, and
+  /// after `finish`.
+  template <class Given>
+  TrackedFrame track(const Given& given) {
+    const std::lock_guard lock(mutex_);
+    return track_next(prepared(given));
+  }
+  /// Maps the frame of the last `track`. Throws UsageError if there is none.
+  TrackedFrame update_map();
+  /// Does both.
+  template <class Given>
+  TrackedFrame process(const Given& given) {
+    const std::lock_guard lock(mutex_);
+    track_next(prepared(given));
+    return slam_->update_map();
+  }
   /// Returns the final trajectory; a second call returns it again.
   Trajectory finish(const Progress& progress);
 
@@ -59,7 +72,9 @@ class Run {
 
  private:
   void require_unfinished() const;
-  TrackedFrame process_next(Frame frame);
+  Frame prepared(const PyFrame& frame);
+  Frame prepared(const ArrayFrame& given);
+  TrackedFrame track_next(Frame frame);
 
   std::mutex mutex_;
   RgbdCamera camera_;

@@ -43,8 +43,23 @@ py::object pose_of(const TrackedFrame& result) {
   return py::cast(result.T_world_camera.matrix());
 }
 
-py::object process_frame(Run& run, const PyFrame& frame) {
-  return pose_of(without_gil([&] { return run.process(frame); }));
+/// What is done with a frame: Run::process or Run::track.
+struct Process {
+  template <class Given>
+  TrackedFrame operator()(Run& run, const Given& given) const {
+    return run.process(given);
+  }
+};
+struct Track {
+  template <class Given>
+  TrackedFrame operator()(Run& run, const Given& given) const {
+    return run.track(given);
+  }
+};
+
+template <class Step>
+py::object take_frame(Run& run, const PyFrame& frame) {
+  return pose_of(without_gil([&] { return Step()(run, frame); }));
 }
 
 using Mask = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;  // also of bool
@@ -59,9 +74,10 @@ cv::Mat mask_of(const Mask& mask, const PinholeCamera& camera) {
   return copy;
 }
 
-py::object process_arrays(Run& run, double stamp_s, const py::array& rgb, const py::array& depth,
-                          std::optional<double> depth_scale, std::optional<double> depth_stamp_s,
-                          const std::optional<Mask>& mask, bool copy) {
+template <class Step>
+py::object take_arrays(Run& run, double stamp_s, const py::array& rgb, const py::array& depth,
+                       std::optional<double> depth_scale, std::optional<double> depth_stamp_s,
+                       const std::optional<Mask>& mask, bool copy) {
   const RgbdCamera& camera = run.camera();
   const double scale = depth_scale.value_or(camera.depth_scale);
   if (!(scale > 0)) throw UsageError(fmt::format("depth_scale: {} is not a positive number", scale));
@@ -70,7 +86,7 @@ py::object process_arrays(Run& run, double stamp_s, const py::array& rgb, const 
   frame.stamp_ns = stamp_ns;
   if (depth_stamp_s) frame.depth_stamp_ns = stamp_ns_of(*depth_stamp_s);
   if (mask) frame.mask = mask_of(*mask, camera.color);
-  return pose_of(without_gil([&] { return run.process(std::exchange(frame, {})); }));
+  return pose_of(without_gil([&] { return Step()(run, std::exchange(frame, {})); }));
 }
 
 std::unique_ptr<Result> finish(const std::shared_ptr<Run>& run, const py::object& progress,
@@ -92,8 +108,8 @@ auto reading(const Read& read) {
 
 /// The last frame; null if it was lost or there was none.
 const TrackedFrame* last_located(const Slam& slam) {
-  const auto log = slam.session_log();
-  return log.empty() || log.back().is_lost() ? nullptr : &log.back();
+  const TrackedFrame* last = slam.latest();
+  return last == nullptr || last->is_lost() ? nullptr : last;
 }
 
 bool is_lost(const Slam& slam) {
@@ -108,8 +124,8 @@ bool is_doubtful(const Slam& slam) {
 py::object last_T_map_odom(Run& run) {
   const SE3 T = without_gil([&] {
     return run.with_slam([](const Slam& slam) {
-      const auto log = slam.session_log();
-      return log.empty() ? SE3{} : log.back().T_map_odom;
+      const TrackedFrame* last = slam.latest();
+      return last == nullptr ? SE3{} : last->T_map_odom;
     });
   });
   return py::cast(T.matrix());
@@ -144,7 +160,7 @@ The world is the first camera: x right, y down, z forward, metres.)")
       .def(py::init(&make_run), py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
            py::arg("load_map") = py::none(), py::arg("localize") = false, py::arg("vocabulary") = py::none(),
            py::arg("threads") = 0)
-      .def("process", &process_frame, py::arg("frame"), R"(Processes the next frame.
+      .def("process", &take_frame<Process>, py::arg("frame"), R"(Processes the next frame.
 
 process(frame): a Frame of kinloop.open.
 process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, mask=None, copy=True): arrays.
@@ -160,9 +176,21 @@ process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, mask=None,
 
 Returns T_world_camera, float64 (4, 4), metres; None while tracking is lost. Later corrections of the map do not change
 poses already returned: finish() returns the final ones. The GIL is released.)")
-      .def("process", &process_arrays, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"), py::kw_only(),
+      .def("process", &take_arrays<Process>, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"),
+           py::kw_only(), py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(),
+           py::arg("mask") = py::none(), py::arg("copy") = true)
+      .def("track", &take_frame<Track>, py::arg("frame"),
+           R"(The first part of process, with the same arguments: returns the pose as soon as it is known.
+
+Call update_map() when the pose has been used; otherwise the next call does that first.)")
+      .def("track", &take_arrays<Track>, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"), py::kw_only(),
            py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(),
            py::arg("mask") = py::none(), py::arg("copy") = true)
+      .def(
+          "update_map", [](Run& run) { return pose_of(without_gil([&] { return run.update_map(); })); },
+          R"(The second part of process: adds the frame of the last track() to the map.
+
+It takes longest where the frame becomes a keyframe. Returns T_world_camera as it is then; None if it is lost.)")
       .def("finish", &finish, py::arg("progress") = py::none(), py::kw_only(),
            py::arg("keep_doubtful") = false,
            R"(Ends the run: adjusts the whole map and every frame.

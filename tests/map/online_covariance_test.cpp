@@ -18,6 +18,12 @@ TrackedFrame tracked(KeyframeId reference, KeyframeId keyframe = {}) {
   return frame;
 }
 
+/// Adds a frame, and the keyframe that it becomes, if any.
+Matrix6d add(OnlineCovariance& covariance, const TrackedFrame& frame) {
+  if (frame.keyframe.valid()) covariance.add_keyframe(frame);
+  return covariance.add(frame);
+}
+
 TrackedFrame first_frame() {
   TrackedFrame frame;
   frame.outcome = TrackingOutcome::kNewMap;
@@ -27,14 +33,14 @@ TrackedFrame first_frame() {
 
 TEST(OnlineCovariance, GrowsFromKeyframeToKeyframeAndFallsAtAnOldOne) {
   OnlineCovariance covariance;
-  EXPECT_TRUE(covariance.add(first_frame()).isZero(0));
+  EXPECT_TRUE(add(covariance, first_frame()).isZero(0));
   double last = 0;
   for (uint32_t k = 1; k < 6; ++k) {
-    const double sigma = position_sigma_m(covariance.add(tracked(KeyframeId{k - 1}, KeyframeId{k})));
+    const double sigma = position_sigma_m(add(covariance, tracked(KeyframeId{k - 1}, KeyframeId{k})));
     EXPECT_GT(sigma, last);
     last = sigma;
   }
-  const double back = position_sigma_m(covariance.add(tracked(KeyframeId{0})));
+  const double back = position_sigma_m(add(covariance, tracked(KeyframeId{0})));
   EXPECT_NEAR(back, std::sqrt(kVariance), 1e-9);
   EXPECT_EQ(covariance.keyframes().size(), 6U);
   EXPECT_TRUE(covariance.keyframes()[0].isZero(0));
@@ -51,26 +57,26 @@ TEST(OnlineCovariance, AnAngleMovesWhatIsFarAway) {
 
 TEST(OnlineCovariance, AnErrorOfTheScaleGrowsWithTheDistanceFromTheFirstKeyframe) {
   OnlineCovariance exact, scaled(0.01);
-  for (OnlineCovariance* covariance : {&exact, &scaled}) covariance->add(first_frame());
+  for (OnlineCovariance* covariance : {&exact, &scaled}) add(*covariance, first_frame());
   TrackedFrame far = tracked(KeyframeId{0}, KeyframeId{1}), farther = tracked(KeyframeId{1});
   far.T_reference_camera.translation = {0, 0, 4};
   farther.T_reference_camera.translation = {0, 0, 1};
   farther.T_world_camera.translation = {7, 7, 7};  // the world may have been moved since
-  exact.add(far), scaled.add(far);
-  const Matrix6d difference = scaled.add(farther) - exact.add(farther);
+  add(exact, far), add(scaled, far);
+  const Matrix6d difference = add(scaled, farther) - add(exact, farther);
   EXPECT_NEAR(std::sqrt(difference(2, 2)), 0.05, 1e-9);
   EXPECT_NEAR(difference.norm(), difference(2, 2), 1e-12);
 }
 
 TEST(OnlineCovariance, IsZeroIfUnknownOrLost) {
   OnlineCovariance covariance;
-  covariance.add(first_frame());
-  covariance.add(tracked(KeyframeId{0}, KeyframeId{1}));
+  add(covariance, first_frame());
+  add(covariance, tracked(KeyframeId{0}, KeyframeId{1}));
   TrackedFrame unknown = tracked(KeyframeId{1}), lost = unknown;
   unknown.covariance.setZero();
   lost.outcome = TrackingOutcome::kLost;
-  EXPECT_TRUE(covariance.add(unknown).isZero(0));
-  EXPECT_TRUE(covariance.add(lost).isZero(0));
+  EXPECT_TRUE(add(covariance, unknown).isZero(0));
+  EXPECT_TRUE(add(covariance, lost).isZero(0));
 }
 
 }  // namespace

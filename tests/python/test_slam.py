@@ -43,6 +43,20 @@ def test_same_options_as_the_program(sequence, program, tmp_path):
     assert (tmp_path / "trajectory.txt").read_bytes() == (tmp_path / "out/trajectory.txt").read_bytes()
 
 
+def test_poses_are_given_before_the_frame_is_mapped(sequence, program_run, tmp_path):
+    source = kinloop.open(sequence)
+    slam = kinloop.Slam(source.camera)
+    with pytest.raises(kinloop.UsageError, match="call track"):
+        slam.update_map()
+    for number, frame in enumerate(source):
+        pose = slam.track(frame) if number % 2 else slam.track(frame.stamp_s, frame.rgb, frame.depth_m)
+        assert not slam.lost and len(slam.trajectory) == number
+        np.testing.assert_allclose(slam.update_map(), pose, atol=0.02)
+        assert len(slam.trajectory) == number + 1
+        if number == 9:
+            break
+
+
 def test_poses_are_rigid_motions_and_none_while_lost(sequence):
     source = kinloop.open(sequence)
     slam = kinloop.Slam(source.camera)

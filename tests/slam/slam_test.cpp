@@ -127,6 +127,38 @@ TEST(Slam, LogsThePosesThatItReturned) {
   }
 }
 
+/// The work on the map comes after the pose.
+TEST(Slam, GivesThePoseBeforeItMapsTheFrame) {
+  Slam slam(recording().camera), whole(recording().camera);
+  size_t keyframes = 0;
+  for (size_t i = 0; i < 20; ++i) {
+    const TrackedFrame given = slam.track(recording().frames[i]);
+    EXPECT_TRUE(i == 0 || !given.keyframe.valid());  // the first one is where the map begins
+    EXPECT_EQ(slam.session_log().size(), i);
+    EXPECT_EQ(slam.latest()->T_world_camera.matrix(), given.T_world_camera.matrix());
+    const TrackedFrame mapped = slam.update_map();
+    EXPECT_EQ(slam.session_log().size(), i + 1);
+    EXPECT_LT((mapped.T_world_camera.translation - given.T_world_camera.translation).norm(), 0.005);
+    EXPECT_EQ(mapped.T_map_odom.matrix(), given.T_map_odom.matrix());
+    keyframes += mapped.keyframe.valid() ? 1 : 0;
+    EXPECT_EQ(mapped.T_world_camera.matrix(), whole.process(recording().frames[i]).T_world_camera.matrix());
+  }
+  EXPECT_GE(keyframes, 2U);
+  expect_same(slam.finish(), whole.finish());
+}
+
+TEST(Slam, MapsTheFrameBeforeIfThatHasNotBeenDone) {
+  Slam slam(recording().camera), whole(recording().camera);
+  EXPECT_THROW(slam.update_map(), std::logic_error);
+  for (size_t i = 0; i < 20; ++i) {
+    slam.track(recording().frames[i]);
+    whole.process(recording().frames[i]);
+  }
+  EXPECT_EQ(slam.session_log().size(), 19U);
+  expect_same(slam.finish(), whole.finish());
+  EXPECT_EQ(slam.session_log().size(), 20U);
+}
+
 TEST(Slam, TracksWithEveryKindOfFeature) {
   for (const auto kind : {FeatureKind::kSift, FeatureKind::kSurf}) {
     if (kind == FeatureKind::kSurf && !surf_available()) continue;

@@ -62,6 +62,7 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
     frame.reference = KeyframeId{0};
     frame.T_world_camera.translation.x() = i;
     frame.doubtful = i == 1;
+    recorder.record_pose(frame);
     recorder.on_frame(frame);
     recorder.on_map(built.map);
     frame.doubtful = false;                      // trusted later
@@ -76,6 +77,24 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
   EXPECT_EQ(live[1].T_world_camera.translation.x(), 3);
 }
 
+/// A keyframe is tracked once more after its pose has been given.
+TEST(FrameRecorder, LivePosesAreThoseBeforeTheFrameIsMapped) {
+  test::SyntheticMap built;
+  const auto world = test::make_world(100, 1);
+  test::add_view(built, world, test::observe(world, test::pose_on_arc(0), {}, 1), test::pose_on_arc(0));
+  FrameRecorder recorder;
+  recorder.on_map(built.map);
+  TrackedFrame frame = tracked(TrackingOutcome::kTracked);
+  frame.reference = KeyframeId{0};
+  frame.T_world_camera.translation.x() = 1;
+  recorder.record_pose(frame);
+  frame.T_world_camera.translation.x() = 2;
+  recorder.on_frame(frame);
+  const auto live = recorder.live_poses(std::vector{frame}, built.map);
+  ASSERT_EQ(live.size(), 1U);
+  EXPECT_EQ(live[0].T_world_camera.translation.x(), 1);
+}
+
 /// Its world frame was another one then.
 TEST(FrameRecorder, LivePosesBeforeTheirComponentWasJoinedAreLeftOut) {
   Map map;
@@ -87,6 +106,7 @@ TEST(FrameRecorder, LivePosesBeforeTheirComponentWasJoinedAreLeftOut) {
     TrackedFrame frame = tracked(outcome);
     frame.stamp_ns = static_cast<int64_t>(log.size());
     frame.reference = reference;
+    recorder.record_pose(frame);
     recorder.on_frame(frame);
     recorder.on_map(map);
     log.push_back(frame);
