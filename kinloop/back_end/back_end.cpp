@@ -8,6 +8,7 @@ BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& 
     : map_(map),
       verification_{LoopVerificationJob(options, std::move(has_double))},
       correction_{LoopCorrectionJob(options)},
+      join_check_{JoinCheckJob(options)},
       global_ba_{GlobalBaJob(options)},
       local_ba_{LocalBaJob(options)},
       self_calibration_{SelfCalibrationJob(nominal, options)},
@@ -16,6 +17,7 @@ BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& 
 void BackEnd::submit(FrameId now, const JobContext& context) {
   submit(verification_, now, context);
   submit(correction_, now, context);  // before jobs that wait for it
+  submit(join_check_, now, context);
   submit(global_ba_, now, context);
   submit(local_ba_, now, context);
   submit(self_calibration_, now, context);
@@ -28,19 +30,25 @@ AppliedResults BackEnd::apply_due(FrameId now) {
 }
 
 AppliedResults BackEnd::apply_remaining(const JobContext& context) {
-  complete(executor_->drain());
-  solve_now(verification_, context);
-  solve_now(correction_, context);
+  solve_remaining(context);
   loops_corrected_ = false;  // no global bundle adjustment needed: the run ends or a map is added next
   return std::exchange(results_, {});
 }
 
 AppliedResults BackEnd::apply_last(const JobContext& context) {
+  solve_remaining(context);
+  take(verification_.kind.finish(map_));
+  solve_remaining(context);
+  take(join_check_.kind.finish(map_));
+  return apply_remaining(context);
+}
+
+/// Finishes the jobs in flight and those that are due because of loops.
+void BackEnd::solve_remaining(const JobContext& context) {
   complete(executor_->drain());
   solve_now(verification_, context);
   solve_now(correction_, context);
-  take(verification_.kind.finish(map_));
-  return apply_remaining(context);
+  solve_now(join_check_, context);
 }
 
 template <class Kind>
@@ -77,6 +85,7 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
 void BackEnd::take(AppliedSolution applied) {
   results_.map_changed |= applied.map_changed;
   loops_corrected_ |= applied.loops_corrected;
+  if (!applied.refuted_joins.empty()) verification_.kind.refute(applied.refuted_joins);
   if (applied.loops_added) correction_.kind.add(applied.merges);
   if (applied.sensor) results_.sensor = std::move(applied.sensor);
   if (results_.T_world_keyframe_before.empty())

@@ -13,6 +13,7 @@
 
 #include "kinloop/back_end/executor.hpp"
 #include "kinloop/back_end/jobs/global_ba_job.hpp"
+#include "kinloop/back_end/jobs/join_check_job.hpp"
 #include "kinloop/back_end/jobs/local_ba_job.hpp"
 #include "kinloop/back_end/jobs/loop_correction_job.hpp"
 #include "kinloop/back_end/jobs/loop_verification_job.hpp"
@@ -77,6 +78,7 @@ class BackEnd {
   void solve_now(Slot<Kind>& slot, const JobContext& context);
   template <class Kind>
   void apply(Slot<Kind>& slot, typename Kind::Solution solution);
+  void solve_remaining(const JobContext& context);
   void take(AppliedSolution applied);
   void complete(const std::vector<FinishedJob>& jobs);
   [[nodiscard]] bool global_correction_in_flight() const;
@@ -84,6 +86,7 @@ class BackEnd {
   Map& map_;
   Slot<LoopVerificationJob> verification_;
   Slot<LoopCorrectionJob> correction_;
+  Slot<JoinCheckJob> join_check_;
   Slot<GlobalBaJob> global_ba_;
   Slot<LocalBaJob> local_ba_;
   Slot<SelfCalibrationJob> self_calibration_;

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "kinloop/loop/align_views.hpp"
 #include "kinloop/map/view_difference.hpp"
 
 namespace kinloop {
@@ -9,12 +10,14 @@ namespace {
 
 constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
 
-/// The keyframe of a component whose view is nearest to a pose; nullopt if none overlaps.
-const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_world_camera) {
+}  // namespace
+
+const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
+                             const std::function<bool(const Keyframe&)>& is_wanted) {
   const Keyframe* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Keyframe& keyframe : map.keyframes()) {
-    if (keyframe.component != component) continue;
+    if (!is_wanted(keyframe)) continue;
     const auto difference = view_difference(keyframe.T_world_camera, T_world_camera);
     if (!difference || *difference >= least) continue;
     least = *difference;
@@ -23,7 +26,15 @@ const Keyframe* nearest_view(const Map& map, uint32_t component, const SE3& T_wo
   return nearest;
 }
 
-}  // namespace
+std::optional<double> aligned_p_value(const Keyframe& a, const Keyframe& b, const SE3& T_a_b, double away_m,
+                                      const Sensor& sensor) {
+  // 2 to 3 % of the path, see drift.cpp.
+  const DriftBound drift{0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
+  const auto aligned = align_views(*a.features, *b.features, {T_a_b, drift}, sensor);
+  if (!aligned) return std::nullopt;
+  return appearance_p_value({*a.features, a.surfaces.get()}, {*b.features, b.surfaces.get()}, *aligned,
+                            sensor.camera);
+}
 
 SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop) {
   return map.keyframe(loop.a).T_world_camera * loop.T_a_b * map.keyframe(loop.b).T_world_camera.inverse();
@@ -36,14 +47,15 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
   for (const Keyframe& keyframe : map.keyframes()) {
     if (keyframe.component != b.component) continue;
     const SE3 T_world_camera = T_worlds * keyframe.T_world_camera;
-    const Keyframe* other = nearest_view(map, a.component, T_world_camera);
+    const Keyframe* other = nearest_view(map, T_world_camera,
+                                         [&](const Keyframe& view) { return view.component == a.component; });
     if (other == nullptr) continue;
     const double away_m = (keyframe.T_world_camera.translation - b.T_world_camera.translation).norm();
     const SE3 T_other_camera = other->T_world_camera.inverse() * T_world_camera;
     comparison.depths += compare_depths(*other->features, *keyframe.features, T_other_camera, sensor,
                                         kSigma_m + kDriftPerMetre * away_m);
-    comparison.looks.add(
-        appearance_p_value(*other->features, *keyframe.features, T_other_camera, sensor.camera));
+    const auto p_value = aligned_p_value(*other, keyframe, T_other_camera, away_m, sensor);
+    if (p_value) comparison.looks.add(*p_value);
   }
   return comparison;
 }

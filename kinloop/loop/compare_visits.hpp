@@ -1,6 +1,10 @@
 #pragma once
 // Whether two parts of a map can be one room. The double of a place is furnished alike, but not at the same
-// distances: where the views beside a loop overlap, one sees through the walls of the other.
+// distances: where the views beside a loop overlap, one sees through the walls of the other. Another floor is
+// furnished alike at the same distances, but has other pictures.
+
+#include <functional>
+#include <optional>
 
 #include "kinloop/loop/view_checks.hpp"
 #include "kinloop/map/map.hpp"
@@ -10,11 +14,20 @@ namespace kinloop {
 /// What the keyframes of one part say of the other.
 struct RoomComparison {
   DepthConsistency depths;
-  Looks looks;  ///< of the pairs of keyframes that were compared
+  Looks looks;  ///< of the pairs of keyframes that could be compared
 };
 
 /// Returns the pose of the world of `loop.b` in that of `loop.a`, if the loop is true.
 SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop);
+
+/// Returns the keyframe that fulfils `is_wanted` and whose view is nearest to a pose; null if none overlaps.
+const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
+                             const std::function<bool(const Keyframe&)>& is_wanted);
+
+/// Returns the p-value of the difference between two keyframes that should show the same, `away_m` from a
+/// loop. They are aligned first, since drift makes them look different; nullopt if that fails.
+std::optional<double> aligned_p_value(const Keyframe& a, const Keyframe& b, const SE3& T_a_b, double away_m,
+                                      const Sensor& sensor);
 
 /// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view
 /// is nearest to its own, if the loop is true. Allows for drift with the distance from the loop.

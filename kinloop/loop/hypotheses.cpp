@@ -161,9 +161,10 @@ LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>
   const LoopClosure& loop = waiting_[index].loop;
   if (refutes_same_place(combine(scales))) return LoopReason::kScale;
   if (!joins_components(map, loop)) return LoopReason::kNone;
-  if (is_out_of_reach(loop, map) || refutes_same_room(compare_components(map, loop, situation.sensor)))
-    return LoopReason::kDoesNotFit;
-  return LoopReason::kNone;
+  if (is_out_of_reach(loop, map)) return LoopReason::kDoesNotFit;
+  const RoomComparison rooms = compare_components(map, loop, situation.sensor);
+  if (rooms.looks.refute_same_place()) return LoopReason::kLooksDifferent;
+  return refutes_same_room(rooms) ? LoopReason::kDoesNotFit : LoopReason::kNone;
 }
 
 /// Whether a loop would place the beginning of one component where the camera cannot have moved from the
@@ -247,7 +248,7 @@ LoopDecisions LoopHypotheses::decide(size_t first, const Situation& situation) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
     } else if (const LoopReason reason = refute(i, group.scales, situation); reason != LoopReason::kNone) {
       for (const size_t member : group.waiting) reject(member, reason);
-      if (reason == LoopReason::kDoesNotFit) refuted_.push_back({loop.a, loop.b});
+      if (reason != LoopReason::kScale) refuted_.push_back({loop.a, loop.b});
     } else {
       for (const size_t member : group.waiting) {
         if (decided[member]) continue;

@@ -56,6 +56,11 @@ class LoopHypotheses {
   /// only after many of its views have been compared.
   void suspect(KeyframeId place) { suspected_.push_back(place); }
 
+  /// Says that these loops falsely joined components, with the same effect.
+  void refute(const std::vector<LoopEnds>& joins) {
+    refuted_.insert(refuted_.end(), joins.begin(), joins.end());
+  }
+
   /// Records the first keyframe of a component and the last trusted pose before it, in another one. Loops do
   /// not join them if the camera cannot have moved so far in the time between.
   void add_beginning(KeyframeId first, const TrustedPose& before) { beginnings_.push_back({first, before}); }

@@ -42,7 +42,7 @@ LocationEvidence compare_with_views(const Map& map, uint32_t component, Keyframe
     const SE3 T_view_camera = view.T_world_camera.inverse() * T_world_camera;
     evidence.depths += compare_depths(*view.features, features, T_view_camera, sensor, kPositionSigma_m);
     if (i < kViewsOfAppearance)
-      p_values.push_back(appearance_p_value(*view.features, features, T_view_camera, sensor.camera));
+      p_values.push_back(appearance_p_value({*view.features}, {features}, T_view_camera, sensor.camera));
   }
   evidence.appearance_p_value = second_smallest(std::move(p_values));
   return evidence;

@@ -14,8 +14,7 @@ namespace {
 /// A projected keypoint.
 struct Reprojection {
   Eigen::Vector2d pixel;
-  double depth_m = 0;
-  double source_depth_m = 0;  ///< depth in the source view
+  Eigen::Vector3d p_view, p_source;  ///< in the axes of both cameras, m
 };
 
 /// Projects keypoint `index` of `points` into another view; nullopt if it has no depth, is out of view or
@@ -24,12 +23,12 @@ std::optional<Reprojection> reproject(const Features& points, uint32_t index, co
                                       const PinholeCamera& camera, double margin_px) {
   const auto source_depth_m = static_cast<double>(points.depths_m[index]);
   if (!(source_depth_m > 0)) return std::nullopt;
-  const Eigen::Vector3d p_view =
-      T_view_points * camera.unproject(points.pixels[index].cast<double>(), source_depth_m);
+  const Eigen::Vector3d p_source = camera.unproject(points.pixels[index].cast<double>(), source_depth_m);
+  const Eigen::Vector3d p_view = T_view_points * p_source;
   if (!(p_view.z() > 0)) return std::nullopt;
   const Eigen::Vector2d pixel = camera.project(p_view);
   if (!camera.contains(pixel, margin_px)) return std::nullopt;
-  return Reprojection{pixel, p_view.z(), source_depth_m};
+  return Reprojection{pixel, p_view, p_source};
 }
 
 // The check of depth.
@@ -73,13 +72,13 @@ DepthConsistency check_against_view(const Features& view, const Features& points
     if (!on_plane(points, i)) continue;
     const auto seen = reproject(points, i, T_view_points, sensor.camera, 0);
     if (!seen) continue;
-    const auto before = inverse_depth_difference(seen->pixel, 1 / seen->depth_m, view, grid, near);
+    const auto before = inverse_depth_difference(seen->pixel, 1 / seen->p_view.z(), view, grid, near);
     if (!before) continue;
     // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
-    const double z2 = seen->depth_m * seen->depth_m;
-    const double source2 = seen->source_depth_m * seen->source_depth_m;
-    const double of_surface = noise.inverse_sigma_per_m(1 / seen->depth_m - *before);
-    const double of_source = noise.inverse_sigma_per_m(1 / seen->source_depth_m);
+    const double z2 = seen->p_view.z() * seen->p_view.z();
+    const double source2 = seen->p_source.z() * seen->p_source.z();
+    const double of_surface = noise.inverse_sigma_per_m(1 / seen->p_view.z() - *before);
+    const double of_source = noise.inverse_sigma_per_m(1 / seen->p_source.z());
     const double tolerance =
         kSigmas * std::hypot(of_surface, of_source * source2 / z2, position_sigma_m / z2);
     if (std::abs(*before) <= tolerance) ++depths.consistent;
@@ -135,8 +134,8 @@ class ViewMatcher {
                       [&](uint32_t i, uint32_t j) { return distance(i) < distance(j); });
     return count > 0 &&
            std::all_of(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), [&](uint32_t i) {
-             return std::abs(static_cast<double>(features_.depths_m[i]) - point.depth_m) >
-                    kMaxDepthError * point.depth_m;
+             return std::abs(static_cast<double>(features_.depths_m[i]) - point.p_view.z()) >
+                    kMaxDepthError * point.p_view.z();
            });
   }
 
@@ -146,20 +145,29 @@ class ViewMatcher {
   std::vector<uint32_t> near_;
 };
 
+/// Whether a point is on a surface at rest; true if the surfaces are not known.
+bool is_at_rest(const Eigen::Vector3d& p_view, const View& view) {
+  return view.surfaces == nullptr || state_in_view(p_view, *view.surfaces) == PointState::kConsistent;
+}
+
 /// Returns the keypoints of `points` expected in `view`, and whether each was found.
-std::vector<ExpectedKeypoint> find_expected_keypoints(const Features& features, const Features& points,
+std::vector<ExpectedKeypoint> find_expected_keypoints(const View& view, const View& points,
                                                       const SE3& T_view_points, const PinholeCamera& camera) {
-  ViewMatcher view(features, camera);
+  const Features& features = points.features;
+  ViewMatcher matcher(view.features, camera);
   std::vector<ExpectedKeypoint> expected;
-  for (uint32_t i = 0; i < points.size(); ++i) {
-    const auto seen = reproject(points, i, T_view_points, camera, kBorder_px);
+  for (uint32_t i = 0; i < features.size(); ++i) {
+    const auto seen = reproject(features, i, T_view_points, camera, kBorder_px);
     if (!seen) continue;
-    const double level =
-        points.levels[i] + std::log(seen->source_depth_m / seen->depth_m) / std::log(points.scale_factor);
-    if (level < -0.5 || level > features.level_count - 0.5) continue;
+    const double level = features.levels[i] +
+                         std::log(seen->p_source.z() / seen->p_view.z()) / std::log(features.scale_factor);
+    if (level < -0.5 || level > view.features.level_count - 0.5) continue;
     const bool found =
-        view.contains_match(points.descriptors.ptr<uint8_t>(static_cast<int>(i)), seen->pixel, level);
-    if (found || !view.occludes(*seen)) expected.push_back({seen->pixel, found});
+        matcher.contains_match(features.descriptors.ptr<uint8_t>(static_cast<int>(i)), seen->pixel, level);
+    const auto is_missing = [&] {
+      return is_at_rest(seen->p_source, points) && is_at_rest(seen->p_view, view) && !matcher.occludes(*seen);
+    };
+    if (found || is_missing()) expected.push_back({seen->pixel, found});
   }
   return expected;
 }
@@ -184,7 +192,7 @@ double binomial_tail(int most, double p) {
   return std::min(sum, 1.0);
 }
 
-double one_way_p_value(const Features& view, const Features& points, const SE3& T_view_points,
+double one_way_p_value(const View& view, const View& points, const SE3& T_view_points,
                        const PinholeCamera& camera) {
   auto expected = find_expected_keypoints(view, points, T_view_points, camera);
   if (expected.size() < 2 * kRegionSize) return 1;
@@ -223,8 +231,7 @@ bool violates_free_space(const DepthConsistency& depths, double max_violation_ra
              max_violation_ratio * (depths.consistent + depths.free_space_violations);
 }
 
-double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b,
-                          const PinholeCamera& camera) {
+double appearance_p_value(const View& a, const View& b, const SE3& T_a_b, const PinholeCamera& camera) {
   return std::min(one_way_p_value(a, b, T_a_b, camera), one_way_p_value(b, a, T_a_b.inverse(), camera));
 }
 

@@ -8,6 +8,7 @@
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/sensor/sensor.hpp"
+#include "kinloop/sensor/surface_grid.hpp"
 
 namespace kinloop {
 
@@ -28,12 +29,17 @@ DepthConsistency compare_depths(const Features& a, const Features& b, const SE3&
 /// which is impossible in a scene of solid objects.
 bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio);
 
+/// What a view shows.
+struct View {
+  const Features& features;
+  const SurfaceGrid* surfaces = nullptr;  ///< of what is at rest; null if they are not known
+};
+
 /// Returns the p-value of the difference between views of the same scene: among all regions of a hundred
 /// neighbouring keypoints, the one of which fewest are found in the other view, if each is found with a third
 /// of the overall probability. 1 if there are too few keypoints to decide. Keypoints occluded in the other
-/// view do not count.
-double appearance_p_value(const Features& a, const Features& b, const SE3& T_a_b,
-                          const PinholeCamera& camera);
+/// view do not count, nor those that are not on surfaces at rest of both views, where these are known.
+double appearance_p_value(const View& a, const View& b, const SE3& T_a_b, const PinholeCamera& camera);
 
 /// Counts views whose p-value was found.
 struct Looks {

@@ -38,7 +38,8 @@ enum class LoopReason {
   kTooFewKeyframes,  ///< no other keyframe, or too few, measure the same relative pose
   kAmbiguous,        ///< other keyframes, or the same, fit another place as well
   kScale,            ///< the two visits see the place in different sizes
-  kDoesNotFit,       ///< odometry and the other loops contradict it
+  kDoesNotFit,       ///< odometry, the other loops or the surfaces contradict it
+  kLooksDifferent,   ///< views of the two visits that should show the same do not
 };
 
 constexpr auto option_names(LoopReason) {
@@ -50,7 +51,8 @@ constexpr auto option_names(LoopReason) {
                                               {kTooFewKeyframes, "too few keyframes"},
                                               {kAmbiguous, "ambiguous"},
                                               {kScale, "different scale"},
-                                              {kDoesNotFit, "does not fit"}});
+                                              {kDoesNotFit, "does not fit"},
+                                              {kLooksDifferent, "looks different"}});
 }
 
 /// Size of a place in one visit relative to another, from the landmarks that both see.

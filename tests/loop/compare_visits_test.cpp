@@ -18,9 +18,8 @@ class TwoVisits : public testing::Test {
     const uint32_t component = map_.component_count();
     for (uint32_t i = 0; i < 6; ++i) {
       const SE3 T_world_camera = test::camera_at(0, {0.5 * i, 0, 0});
-      Features features = *test::wall_view(wall_m);
-      if (i < static_cast<uint32_t>(different_views))
-        features.descriptors.rowRange(0, features.descriptors.rows / 4) = 255;
+      Features features = *test::painted_wall_view(wall_m);
+      if (i < static_cast<uint32_t>(different_views)) test::repaint(features);
       map_.add_keyframe(FrameId{10 * component + i}, 0, T_world_camera,
                         std::make_shared<const Features>(std::move(features)), component);
     }

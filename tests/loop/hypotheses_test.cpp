@@ -253,6 +253,15 @@ TEST_F(Hypotheses, WhereAGroupWasRefutedTheNextWaitsForMoreViews) {
   }
 }
 
+TEST_F(Hypotheses, WhereAJoinWasTakenBackTheNextWaitsForMoreViews) {
+  hypotheses_.refute({{first(0), second(0)}});
+  for (const uint32_t i : {2U, 3U, 4U}) {
+    const LoopDecisions waits = add({loop(i, i)});
+    EXPECT_THAT(waits.accepted, IsEmpty()) << i;
+    EXPECT_THAT(reasons(waits.others), ElementsAre(LoopReason::kTooFewKeyframes));
+  }
+}
+
 TEST_F(Hypotheses, LoopsOfWithdrawnKeyframesAreForgotten) {
   for (const uint32_t i : {2U, 3U}) add({loop(i, i)});
   map_.withdraw(second(2));

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/loop/wall_view.hpp"
+#include "tests/sensor/vga_surfaces.hpp"
 #include "tests/support/random_vectors.hpp"
 #include "tests/support/synthetic_world.hpp"
 
@@ -157,7 +159,7 @@ class AppearanceCheck : public testing::Test {
   }
 
   [[nodiscard]] double chance() const {
-    return appearance_p_value(a_, b_, T_world_a_.inverse() * T_world_b_, world_.camera);
+    return appearance_p_value({a_}, {b_}, T_world_a_.inverse() * T_world_b_, world_.camera);
   }
 
   /// Changes the keypoints of `b_` in the window, as if the image differed there.
@@ -219,10 +221,28 @@ TEST_F(AppearanceCheck, OcclusionIsTolerated) {
 }
 
 TEST_F(AppearanceCheck, TooFewKeypointsGiveAPValueOfOne) {
-  EXPECT_EQ(appearance_p_value(a_, {}, {}, world_.camera), 1);
+  EXPECT_EQ(appearance_p_value({a_}, {Features{}}, {}, world_.camera), 1);
   a_.depths_m.assign(a_.size(), 0);
   b_.depths_m.assign(b_.size(), 0);
   EXPECT_EQ(chance(), 1);
+}
+
+TEST(AppearanceCheckOfSurfaces, WhatHasMovedDoesNotCount) {
+  const auto camera = test::vga_surface_camera();
+  const PinholeCamera& pinhole = test::vga_camera();
+  const cv::Mat wall_m(480, 640, CV_32FC1, cv::Scalar(2));
+  const SurfaceGrid wall = make_surface_grid(camera, wall_m);
+  cv::Mat lower_m = wall_m.clone();
+  lower_m(cv::Rect(0, 0, 640, 240)) = 0;
+  const SurfaceGrid lower = make_surface_grid(camera, lower_m);
+  const Features a = *test::painted_wall_view(2);
+  Features b = a;
+  b.descriptors = a.descriptors.clone();
+  test::repaint(b);
+  EXPECT_LT(appearance_p_value({a}, {b}, {}, pinhole), kUnlikely);
+  EXPECT_LT(appearance_p_value({a, &wall}, {b, &wall}, {}, pinhole), kUnlikely);
+  EXPECT_GT(appearance_p_value({a, &wall}, {b, &lower}, {}, pinhole), kUnlikely) << "a person stands there";
+  EXPECT_GT(appearance_p_value({a, &lower}, {b, &wall}, {}, pinhole), kUnlikely) << "or stood there before";
 }
 
 }  // namespace

@@ -1,10 +1,21 @@
 #include "kinloop/back_end/jobs/loop_correction_job.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "kinloop/map/keyframe_poses.hpp"
 
 namespace kinloop {
+namespace {
+
+bool is_edge(const LoopEnds& ends, const Map& map) {
+  const auto& loops = map.loop_closures();
+  return std::any_of(loops.begin(), loops.end(), [&](const LoopClosure& loop) {
+    return LoopEnds{loop.a, loop.b} == ends;
+  });
+}
+
+}  // namespace
 
 void LoopCorrectionJob::add(const std::vector<LoopMerges>& merges) {
   merges_.insert(merges_.end(), merges.begin(), merges.end());
@@ -17,6 +28,8 @@ bool LoopCorrectionJob::is_due(const JobContext& /*context*/) const {
 
 LoopCorrectionJob::Problem LoopCorrectionJob::make_problem(const JobContext& context) {
   loops_waiting_ = false;
+  // Some may have been taken back meanwhile.
+  std::erase_if(merges_, [&](const LoopMerges& merges) { return !is_edge(merges.loop, context.map); });
   odometry_.observe(context.map, options_);
   return {make_loop_correction_problem(context.map, std::exchange(merges_, {}), odometry_, options_),
           options_};

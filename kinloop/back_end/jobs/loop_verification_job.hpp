@@ -31,6 +31,9 @@ class LoopVerificationJob {
   /// Says that the camera was falsely located in the component of this keyframe.
   void suspect(KeyframeId place) { hypotheses_.suspect(place); }
 
+  /// Says that these loops falsely joined visits.
+  void refute(const std::vector<LoopEnds>& joins) { hypotheses_.refute(joins); }
+
   /// Records the first keyframe of a component and the last trusted pose before it.
   void add_beginning(KeyframeId first, const TrustedPose& before) {
     hypotheses_.add_beginning(first, before);

@@ -10,6 +10,7 @@ const REASONS = {
   ambiguous: 'another place fits as well',
   'different scale': 'the place has another size in each visit',
   'does not fit': 'odometry, loops or surfaces contradict it',
+  'looks different': 'views that should show the same do not',
 };
 
 /** A sentence without its full stop; empty if the reason is unknown. */

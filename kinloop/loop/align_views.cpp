@@ -1,0 +1,60 @@
+#include "kinloop/loop/align_views.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/features/matcher.hpp"
+#include "kinloop/optimize/pose/absolute_pose.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Keypoints of a camera as the reference would see them, in windows as wide as drift may displace them.
+struct ExpectedPoints {
+  std::vector<ProjectedPoint> projected;
+  std::vector<Eigen::Vector3d> p_camera;
+};
+
+ExpectedPoints expected_points(const Features& features, const PredictedView& predicted,
+                               const PinholeCamera& camera) {
+  ExpectedPoints expected;
+  for (uint32_t i = 0; i < features.size(); ++i) {
+    const auto depth_m = static_cast<double>(features.depths_m[i]);
+    if (!(depth_m > 0)) continue;
+    const Eigen::Vector3d p_camera = camera.unproject(features.pixels[i].cast<double>(), depth_m);
+    const Eigen::Vector3d p_reference = predicted.T_reference_camera * p_camera;
+    if (!(p_reference.z() > 0)) continue;
+    const Eigen::Vector2d pixel = camera.project(p_reference);
+    if (!camera.contains(pixel, 0)) continue;
+    const double step = std::log(depth_m / p_reference.z()) / std::log(features.scale_factor);
+    const int level = features.levels[i] + static_cast<int>(std::lround(step));
+    const double radius_px = camera.fx * direction_bound_rad(predicted.bound, p_reference);
+    expected.projected.push_back({pixel, radius_px, p_reference.z(), level - 1, level + 1,
+                                  features.descriptors.ptr<uint8_t>(static_cast<int>(i))});
+    expected.p_camera.push_back(p_camera);
+  }
+  return expected;
+}
+
+}  // namespace
+
+std::optional<SE3> align_views(const Features& reference, const Features& features,
+                               const PredictedView& predicted, const Sensor& sensor) {
+  constexpr ProjectionMatchOptions kMatching{.max_distance = 64, .max_ratio = 0.8};
+  constexpr AbsolutePoseOptions kPose{.min_inliers = 30};  // as many as a loop needs
+  const ExpectedPoints expected = expected_points(features, predicted, sensor.camera);
+  const FeatureGrid grid(reference, sensor.camera.width, sensor.camera.height);
+  std::vector<PoseObservation> observations;
+  for (const Match& match : match_by_projection(expected.projected, reference, grid, kMatching))
+    observations.push_back({compensated_measurement(reference, match.b), expected.p_camera[match.a]});
+  if (static_cast<int>(observations.size()) < kPose.min_inliers) return std::nullopt;
+  const auto solution =
+      solve_absolute_pose(sensor, observations, predicted.T_reference_camera.inverse(), kPose);
+  if (!solution) return std::nullopt;
+  const SE3 T_reference_camera = solution->T_reference_camera.inverse();
+  if (!is_explained_by_drift(predicted, T_reference_camera)) return std::nullopt;
+  return T_reference_camera;
+}
+
+}  // namespace kinloop

@@ -1,0 +1,99 @@
+#include "kinloop/loop/join_check.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace kinloop {
+namespace {
+
+using Loops = std::vector<LoopEnds>;
+
+/// The loop closures between visits.
+std::map<VisitPair, Loops> loops_between_visits(const Map& map) {
+  std::map<VisitPair, Loops> joined;
+  for (const LoopClosure& loop : map.loop_closures()) {
+    const uint32_t a = map.keyframe(loop.a).visit, b = map.keyframe(loop.b).visit;
+    if (a != b) joined[std::minmax(a, b)].push_back({loop.a, loop.b});
+  }
+  return joined;
+}
+
+/// The distance of a keyframe from the nearest end of loops in its visit, along a straight line.
+double distance_from(const Loops& loops, const Keyframe& keyframe, const Map& map) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const LoopEnds& loop : loops) {
+    const Keyframe& end = map.keyframe(map.keyframe(loop.a).visit == keyframe.visit ? loop.a : loop.b);
+    const double away_m = (keyframe.T_world_camera.translation - end.T_world_camera.translation).norm();
+    least_m = std::min(least_m, away_m);
+  }
+  return least_m;
+}
+
+/// Whether it is known what rests in the view of a keyframe: people must not make a place look different.
+bool knows_what_rests(const Keyframe& keyframe) {
+  return keyframe.surfaces != nullptr && !keyframe.withdrawn;
+}
+
+/// The nearest view of the earlier visit; nullopt if there is none, or too far from the loops.
+std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& later, const Loops& loops,
+                                    const Map& map) {
+  constexpr double kMaxDistance_m = 4;
+  if (later.visit != visits.second || !knows_what_rests(later)) return std::nullopt;
+  const double away_m = distance_from(loops, later, map);
+  if (away_m > kMaxDistance_m) return std::nullopt;
+  const Keyframe* earlier = nearest_view(map, later.T_world_camera, [&](const Keyframe& view) {
+    return view.visit == visits.first && view.component == later.component && knows_what_rests(view);
+  });
+  if (earlier == nullptr) return std::nullopt;
+  return JoinedViews{visits, *earlier, later, away_m};
+}
+
+}  // namespace
+
+JoinedLook compare(const JoinedViews& views, const Sensor& sensor) {
+  const SE3 T_earlier_later = views.earlier.T_world_camera.inverse() * views.later.T_world_camera;
+  return {views.visits, aligned_p_value(views.earlier, views.later, T_earlier_later, views.away_m, sensor)};
+}
+
+bool JoinCheck::has_views(const Map& map) const {
+  const auto joined = loops_between_visits(map);
+  return std::any_of(joined.begin(), joined.end(), [&](const auto& entry) {
+    const auto known = joins_.find(entry.first);
+    return known == joins_.end() || known->second.next_keyframe < map.keyframes().size();
+  });
+}
+
+std::vector<JoinedViews> JoinCheck::take_views(const Map& map) {
+  std::vector<JoinedViews> taken;
+  for (const auto& [visits, loops] : loops_between_visits(map)) {
+    uint32_t& next = joins_[visits].next_keyframe;
+    for (; next < map.keyframes().size(); ++next) {
+      auto views = views_of(visits, map.keyframe(KeyframeId{next}), loops, map);
+      if (views) taken.push_back(*std::move(views));
+    }
+  }
+  return taken;
+}
+
+void JoinCheck::add(const std::vector<JoinedLook>& looks) {
+  for (const auto& [visits, p_value] : looks) {
+    if (p_value) joins_[visits].looks.add(*p_value);
+  }
+}
+
+std::vector<LoopEnds> JoinCheck::take_refuted(const Map& map, int min_views) {
+  const auto joined = loops_between_visits(map);
+  std::erase_if(joins_, [&](const auto& entry) { return !joined.contains(entry.first); });
+  std::vector<LoopEnds> refuted;
+  for (const auto& [visits, loops] : joined) {
+    const auto join = joins_.find(visits);
+    if (join == joins_.end()) continue;
+    const Looks& looks = join->second.looks;
+    if (looks.views < min_views || !looks.refute_same_place()) continue;
+    refuted.insert(refuted.end(), loops.begin(), loops.end());
+    joins_.erase(join);
+  }
+  return refuted;
+}
+
+}  // namespace kinloop
