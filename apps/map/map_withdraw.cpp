@@ -84,7 +84,7 @@ std::vector<LoopEnds> find_loops(const WithdrawArguments& arguments, const MapDa
     const size_t before = found.size();
     bool named_before = false;
     for (const LoopClosure& loop : map.loop_closures) {
-      if (stamps_of(loop, map) == wanted) named_before |= !found.insert({loop.a, loop.b}).second;
+      if (stamps_of(loop, map) == wanted) named_before |= !found.insert(loop.ends()).second;
     }
     if (found.size() == before && !named_before) {
       throw InputError(

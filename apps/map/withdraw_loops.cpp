@@ -6,7 +6,6 @@
 
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/map/keyframe_poses.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {
@@ -57,11 +56,8 @@ void withdraw_loops(SavedMap& saved, std::span<const LoopEnds> loops, const Sens
                     const PlaceOptions& options) {
   Map map;
   map.append(std::move(saved.map));
-  const std::vector<SE3> before = keyframe_poses(map);
-  const uint32_t components = map.component_count();
-  map.withdraw_loops(loops, LoopReason::kDoesNotFit);
-  if (map.component_count() > components)
-    saved.frames = with_references_of_own_visit(std::move(saved.frames), map, before);
+  const std::vector<SE3> before = map.withdraw_loops(loops, LoopReason::kDoesNotFit);
+  if (!before.empty()) saved.frames = with_references_of_own_visit(std::move(saved.frames), map, before);
   solve_again(map, sensor, options);
   saved.map = map.data();
 }

@@ -37,11 +37,11 @@ void RunLogger::on_map(const Map& map) {
               name_of(loop.reason));
   };
   for (const LoopClosure& loop : map.loop_closures()) {
-    if (loops_logged_.insert({loop.a, loop.b}).second) log_loop(loop, "closed");
+    if (loops_logged_.insert(loop.ends()).second) log_loop(loop, "closed");
   }
   for (const LoopClosure& loop : map.other_loops()) {
     const bool refuted = loop.stage != LoopStage::kProvisional;
-    if (refuted && refuted_logged_.insert({loop.a, loop.b}).second) log_loop(loop, name_of(loop.stage));
+    if (refuted && refuted_logged_.insert(loop.ends()).second) log_loop(loop, name_of(loop.stage));
   }
   for (; keyframes_logged_ < map.keyframes().size(); ++keyframes_logged_) {
     const Keyframe& keyframe = map.keyframes()[keyframes_logged_];

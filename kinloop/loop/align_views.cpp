@@ -5,6 +5,7 @@
 
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/features/matcher.hpp"
+#include "kinloop/loop/reproject.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {
@@ -20,19 +21,14 @@ ExpectedPoints expected_points(const Features& features, const PredictedView& pr
                                const PinholeCamera& camera) {
   ExpectedPoints expected;
   for (uint32_t i = 0; i < features.size(); ++i) {
-    const auto depth_m = static_cast<double>(features.depths_m[i]);
-    if (!(depth_m > 0)) continue;
-    const Eigen::Vector3d p_camera = camera.unproject(features.pixels[i].cast<double>(), depth_m);
-    const Eigen::Vector3d p_reference = predicted.T_reference_camera * p_camera;
-    if (!(p_reference.z() > 0)) continue;
-    const Eigen::Vector2d pixel = camera.project(p_reference);
-    if (!camera.contains(pixel, 0)) continue;
-    const double step = std::log(depth_m / p_reference.z()) / std::log(features.scale_factor);
-    const int level = features.levels[i] + static_cast<int>(std::lround(step));
-    const double radius_px = camera.fx * direction_bound_rad(predicted.bound, p_reference);
-    expected.projected.push_back({pixel, radius_px, p_reference.z(), level - 1, level + 1,
+    const auto seen = reproject(features, i, predicted.T_reference_camera, camera, 0);
+    if (!seen) continue;
+    const int level =
+        features.levels[i] + static_cast<int>(std::lround(seen->level_step(features.scale_factor)));
+    const double radius_px = camera.fx * direction_bound_rad(predicted.bound, seen->p_view);
+    expected.projected.push_back({seen->pixel, radius_px, seen->p_view.z(), level - 1, level + 1,
                                   features.descriptors.ptr<uint8_t>(static_cast<int>(i))});
-    expected.p_camera.push_back(p_camera);
+    expected.p_camera.push_back(seen->p_source);
   }
   return expected;
 }

@@ -155,14 +155,13 @@ LoopDecisions LoopHypotheses::finish(const Map& map, const Sensor& sensor) {
 }
 
 /// What refutes a group of loops with these scales, although they agree; kNone if nothing does.
-LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>& scales,
-                                  const Situation& situation) const {
-  const Map& map = situation.map;
+LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>& scales, const Map& map,
+                                  const CompareRooms& compare_rooms) const {
   const LoopClosure& loop = waiting_[index].loop;
   if (refutes_same_place(combine(scales))) return LoopReason::kScale;
   if (!joins_components(map, loop)) return LoopReason::kNone;
   if (is_out_of_reach(loop, map)) return LoopReason::kDoesNotFit;
-  const RoomComparison rooms = compare_components(map, loop, situation.sensor);
+  const RoomComparison& rooms = compare_rooms();
   if (rooms.looks.refute_same_place()) return LoopReason::kLooksDifferent;
   return refutes_same_room(rooms) ? LoopReason::kDoesNotFit : LoopReason::kNone;
 }
@@ -208,7 +207,8 @@ bool LoopHypotheses::joins_by_doubles(size_t index, const std::vector<size_t>& g
 
 /// Whether a loop joins a component in which the camera was falsely located, or two that a group of loops
 /// falsely joined before, after too few views.
-bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situation) const {
+bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situation,
+                                         const CompareRooms& compare_rooms) const {
   const Map& map = situation.map;
   const LoopClosure& loop = waiting_[index].loop;
   const uint32_t a = map.keyframe(loop.a).component, b = map.keyframe(loop.b).component;
@@ -221,7 +221,7 @@ bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situatio
         return (c == a && d == b) || (c == b && d == a);
       });
   return joins_components(map, loop) && suspected &&
-         compare_components(map, loop, situation.sensor).looks.views < situation.required_views_of_suspect;
+         compare_rooms().looks.views < situation.required_views_of_suspect;
 }
 
 /// Decides on the waiting loops from index `first` on.
@@ -238,17 +238,23 @@ LoopDecisions LoopHypotheses::decide(size_t first, const Situation& situation) {
     if (decided[i]) continue;
     LoopClosure& loop = waiting_[i].loop;
     const Group group = group_of(i, waiting_, map);
+    std::optional<RoomComparison> compared;  // at most once, since it takes long
+    const CompareRooms compare_rooms = [&]() -> const RoomComparison& {
+      if (!compared) compared = compare_components(map, loop, situation.sensor);
+      return *compared;
+    };
     loop.support = static_cast<int>(group.keyframes.size());
     const bool alone = fits_map(map, loop);
-    const bool too_few =
-        !alone && (loop.support < situation.required_keyframes || joins_suspect_early(i, situation));
+    const bool too_few = !alone && (loop.support < situation.required_keyframes ||
+                                    joins_suspect_early(i, situation, compare_rooms));
     if (group.is_ambiguous() || (!too_few && joins_by_doubles(i, group.waiting, situation))) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kAmbiguous));
     } else if (too_few) {
       decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
-    } else if (const LoopReason reason = refute(i, group.scales, situation); reason != LoopReason::kNone) {
+    } else if (const LoopReason reason = refute(i, group.scales, map, compare_rooms);
+               reason != LoopReason::kNone) {
       for (const size_t member : group.waiting) reject(member, reason);
-      if (reason != LoopReason::kScale) refuted_.push_back({loop.a, loop.b});
+      if (reason != LoopReason::kScale) refuted_.push_back(loop.ends());
     } else {
       for (const size_t member : group.waiting) {
         if (decided[member]) continue;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "kinloop/loop/compare_visits.hpp"
 #include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/tracking/reach.hpp"
@@ -79,11 +80,13 @@ class LoopHypotheses {
     const Sensor& sensor;
     int required_keyframes, required_views_of_suspect;
   };
-  [[nodiscard]] LoopReason refute(size_t index, const std::vector<RelativeScale>& scales,
-                                  const Situation& situation) const;
+  using CompareRooms = std::function<const RoomComparison&()>;
+  [[nodiscard]] LoopReason refute(size_t index, const std::vector<RelativeScale>& scales, const Map& map,
+                                  const CompareRooms& compare_rooms) const;
   [[nodiscard]] bool is_out_of_reach(const LoopClosure& loop, const Map& map) const;
   [[nodiscard]] bool has_double(const Map& map, KeyframeId keyframe);
-  [[nodiscard]] bool joins_suspect_early(size_t index, const Situation& situation) const;
+  [[nodiscard]] bool joins_suspect_early(size_t index, const Situation& situation,
+                                         const CompareRooms& compare_rooms) const;
   [[nodiscard]] bool joins_by_doubles(size_t index, const std::vector<size_t>& group,
                                       const Situation& situation);
   LoopDecisions decide(size_t first, const Situation& situation);

@@ -8,12 +8,18 @@ namespace {
 
 using Loops = std::vector<LoopEnds>;
 
+/// The visits that a loop closure joins; nullopt if it is within one.
+std::optional<VisitPair> joined_visits(const LoopClosure& loop, const Map& map) {
+  const uint32_t a = map.keyframe(loop.a).visit, b = map.keyframe(loop.b).visit;
+  if (a == b) return std::nullopt;
+  return std::minmax(a, b);
+}
+
 /// The loop closures between visits.
 std::map<VisitPair, Loops> loops_between_visits(const Map& map) {
   std::map<VisitPair, Loops> joined;
   for (const LoopClosure& loop : map.loop_closures()) {
-    const uint32_t a = map.keyframe(loop.a).visit, b = map.keyframe(loop.b).visit;
-    if (a != b) joined[std::minmax(a, b)].push_back({loop.a, loop.b});
+    if (const auto visits = joined_visits(loop, map)) joined[*visits].push_back(loop.ends());
   }
   return joined;
 }
@@ -56,9 +62,11 @@ JoinedLook compare(const JoinedViews& views, const Sensor& sensor) {
 }
 
 bool JoinCheck::has_views(const Map& map) const {
-  const auto joined = loops_between_visits(map);
-  return std::any_of(joined.begin(), joined.end(), [&](const auto& entry) {
-    const auto known = joins_.find(entry.first);
+  const auto& loops = map.loop_closures();
+  return std::any_of(loops.begin(), loops.end(), [&](const LoopClosure& loop) {
+    const auto visits = joined_visits(loop, map);
+    if (!visits) return false;
+    const auto known = joins_.find(*visits);
     return known == joins_.end() || known->second.next_keyframe < map.keyframes().size();
   });
 }

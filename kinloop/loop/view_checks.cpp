@@ -7,29 +7,10 @@
 
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/matcher.hpp"
+#include "kinloop/loop/reproject.hpp"
 
 namespace kinloop {
 namespace {
-
-/// A projected keypoint.
-struct Reprojection {
-  Eigen::Vector2d pixel;
-  Eigen::Vector3d p_view, p_source;  ///< in the axes of both cameras, m
-};
-
-/// Projects keypoint `index` of `points` into another view; nullopt if it has no depth, is out of view or
-/// nearer than `margin_px` to the border.
-std::optional<Reprojection> reproject(const Features& points, uint32_t index, const SE3& T_view_points,
-                                      const PinholeCamera& camera, double margin_px) {
-  const auto source_depth_m = static_cast<double>(points.depths_m[index]);
-  if (!(source_depth_m > 0)) return std::nullopt;
-  const Eigen::Vector3d p_source = camera.unproject(points.pixels[index].cast<double>(), source_depth_m);
-  const Eigen::Vector3d p_view = T_view_points * p_source;
-  if (!(p_view.z() > 0)) return std::nullopt;
-  const Eigen::Vector2d pixel = camera.project(p_view);
-  if (!camera.contains(pixel, margin_px)) return std::nullopt;
-  return Reprojection{pixel, p_view, p_source};
-}
 
 // The check of depth.
 
@@ -159,8 +140,7 @@ std::vector<ExpectedKeypoint> find_expected_keypoints(const View& view, const Vi
   for (uint32_t i = 0; i < features.size(); ++i) {
     const auto seen = reproject(features, i, T_view_points, camera, kBorder_px);
     if (!seen) continue;
-    const double level = features.levels[i] +
-                         std::log(seen->p_source.z() / seen->p_view.z()) / std::log(features.scale_factor);
+    const double level = features.levels[i] + seen->level_step(features.scale_factor);
     if (level < -0.5 || level > view.features.level_count - 0.5) continue;
     const bool found =
         matcher.contains_match(features.descriptors.ptr<uint8_t>(static_cast<int>(i)), seen->pixel, level);

@@ -68,6 +68,13 @@ struct LoopEvidence {
   RelativeScale scale = {};   ///< unknown if read from a file
 };
 
+/// The keyframes of a loop closure, which identify it.
+struct LoopEnds {
+  KeyframeId a, b;
+
+  auto operator<=>(const LoopEnds&) const = default;  // NOLINT(modernize-use-nullptr): as in ids.hpp
+};
+
 /// A measured relative pose of two keyframes of the same place.
 struct LoopClosure {
   KeyframeId a;  ///< the place, usually the older keyframe
@@ -81,13 +88,8 @@ struct LoopClosure {
   int support = 1;  ///< keyframes of the visit of `b` that measure the same relative pose, with `b`
   LoopReason reason = LoopReason::kNone;
   bool corrected = false;  ///< the map has been corrected for it
-};
 
-/// The keyframes of a loop closure, which identify it.
-struct LoopEnds {
-  KeyframeId a, b;
-
-  auto operator<=>(const LoopEnds&) const = default;  // NOLINT(modernize-use-nullptr): as in ids.hpp
+  [[nodiscard]] LoopEnds ends() const { return {a, b}; }
 };
 
 }  // namespace kinloop

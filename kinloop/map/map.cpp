@@ -3,16 +3,9 @@
 #include <algorithm>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/map/keyframe_poses.hpp"
 
 namespace kinloop {
-namespace {
-
-bool has_ends(const LoopClosure& loop, KeyframeId a, KeyframeId b) {
-  return loop.a == a && loop.b == b;
-}
-
-}  // namespace
-
 void Map::append(MapData parts) {
   const auto first_keyframe = static_cast<uint32_t>(keyframes_.size());
   const auto first_landmark = static_cast<uint32_t>(landmarks_.size());
@@ -122,7 +115,7 @@ void Map::add_loop_closure(LoopClosure loop) {
   require(!keyframe(loop.a).withdrawn && !keyframe(loop.b).withdrawn, "add_loop_closure: withdrawn keyframe");
   require(loop.T_a_b.is_finite(), "add_loop_closure: the pose is not finite");
   loop.stage = LoopStage::kAccepted;
-  std::erase_if(other_loops_, [&](const LoopClosure& other) { return has_ends(other, loop.a, loop.b); });
+  std::erase_if(other_loops_, [&](const LoopClosure& other) { return other.ends() == loop.ends(); });
   loop_closures_.push_back(loop);
   if (keyframe(loop.a).component != keyframe(loop.b).component) merge_components(loop);
 }
@@ -132,13 +125,13 @@ void Map::record_loop(const LoopClosure& loop) {
   require(loop.stage == LoopStage::kProvisional || loop.stage == LoopStage::kRejected ||
               loop.stage == LoopStage::kWithdrawn,
           "record_loop: neither provisional nor refuted");
-  std::erase_if(other_loops_, [&](const LoopClosure& other) { return has_ends(other, loop.a, loop.b); });
+  std::erase_if(other_loops_, [&](const LoopClosure& other) { return other.ends() == loop.ends(); });
   other_loops_.push_back(loop);
 }
 
 void Map::mark_corrected(std::span<const LoopEnds> loops) {
   for (LoopClosure& loop : loop_closures_) {
-    if (std::find(loops.begin(), loops.end(), LoopEnds{loop.a, loop.b}) != loops.end()) loop.corrected = true;
+    if (std::find(loops.begin(), loops.end(), loop.ends()) != loops.end()) loop.corrected = true;
   }
 }
 
@@ -209,8 +202,7 @@ void Map::merge(LandmarkId from, LandmarkId into) {
 
 bool Map::apply(const MapUpdate& update) {
   if (update.epoch != epoch_) return false;
-  std::vector<SE3> T_world_camera_before;
-  for (const Keyframe& keyframe : keyframes_) T_world_camera_before.push_back(keyframe.T_world_camera);
+  const std::vector<SE3> T_world_camera_before = keyframe_poses(*this);
   for (const auto& [id, T_world_camera] : update.T_world_camera) {
     require(T_world_camera.is_finite(), "apply: a corrected pose is not finite");
     keyframe_ref(id).T_world_camera = T_world_camera;

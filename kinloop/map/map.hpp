@@ -63,8 +63,9 @@ class Map {
 
   /// Takes loop closures back, for `reason`: they are no edges any more, landmarks that only they have tied
   /// together are split, and components that only they have joined are parted. Poses stay as they are. The
-  /// epoch does not advance.
-  void withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason);
+  /// epoch does not advance. If components were parted, returns T_world_camera of all keyframes before, else
+  /// nothing.
+  std::vector<SE3> withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason);
 
   /// Removes an observation; erases a landmark left without any.
   void remove_observation(LandmarkId landmark, Observation observation);

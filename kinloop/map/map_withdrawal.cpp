@@ -6,6 +6,7 @@
 
 #include "kinloop/core/disjoint_sets.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/map/keyframe_poses.hpp"
 #include "kinloop/map/map.hpp"
 
 namespace kinloop {
@@ -16,12 +17,12 @@ constexpr uint32_t kInterruption = 5;
 
 }  // namespace
 
-void Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason) {
+std::vector<SE3> Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason) {
   std::vector<LoopEnds> within_visits;
   bool between_visits = false;
   for (const LoopEnds& ends : loops) {
     const auto found = std::find_if(loop_closures_.begin(), loop_closures_.end(),
-                                    [&](const LoopClosure& l) { return l.a == ends.a && l.b == ends.b; });
+                                    [&](const LoopClosure& l) { return l.ends() == ends; });
     require(found != loop_closures_.end(), "withdraw_loops: no such loop closure");
     LoopClosure loop = *found;
     loop_closures_.erase(found);
@@ -36,7 +37,12 @@ void Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason) {
     }
   }
   for (const LoopEnds& ends : within_visits) split_tracks(ends);
-  if (between_visits) part_components();
+  if (!between_visits) return {};
+  const uint32_t components = component_count_;
+  std::vector<SE3> T_world_keyframe_before = keyframe_poses(*this);
+  part_components();
+  if (component_count_ == components) return {};
+  return T_world_keyframe_before;
 }
 
 /// Gives the visits of a component that no loop closure joins any more components of their own. That of the

@@ -82,6 +82,7 @@ TrackedFrame Slam::track(const Frame& frame) {
   add_input_evidence(tracked);
   check_location(tracked);
   if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
+  // Where a map begins, the pose is that of its first keyframe.
   if (tracked.outcome == TrackingOutcome::kNewMap) tracked = with_keyframe(std::move(tracked));
   if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
   odometry_.update(tracked, map_);

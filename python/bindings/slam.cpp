@@ -58,7 +58,7 @@ Run::Run(const RgbdCamera& camera, const RunSettings& settings)
 }
 
 void Run::require_unfinished() const {
-  if (trajectory_) throw UsageError("Slam.process: finish() has ended this run; create another Slam");
+  if (trajectory_) throw UsageError("Slam: finish() has ended this run; create another Slam");
 }
 
 Frame Run::prepared(const PyFrame& frame) {

@@ -43,23 +43,13 @@ py::object pose_of(const TrackedFrame& result) {
   return py::cast(result.T_world_camera.matrix());
 }
 
-/// What is done with a frame: Run::process or Run::track.
-struct Process {
-  template <class Given>
-  TrackedFrame operator()(Run& run, const Given& given) const {
-    return run.process(given);
-  }
-};
-struct Track {
-  template <class Given>
-  TrackedFrame operator()(Run& run, const Given& given) const {
-    return run.track(given);
-  }
-};
+// What is done with a frame.
+constexpr auto kProcess = [](Run& run, const auto& given) { return run.process(given); };
+constexpr auto kTrack = [](Run& run, const auto& given) { return run.track(given); };
 
-template <class Step>
+template <auto kStep>
 py::object take_frame(Run& run, const PyFrame& frame) {
-  return pose_of(without_gil([&] { return Step()(run, frame); }));
+  return pose_of(without_gil([&] { return kStep(run, frame); }));
 }
 
 using Mask = py::array_t<uint8_t, py::array::c_style | py::array::forcecast>;  // also of bool
@@ -74,7 +64,7 @@ cv::Mat mask_of(const Mask& mask, const PinholeCamera& camera) {
   return copy;
 }
 
-template <class Step>
+template <auto kStep>
 py::object take_arrays(Run& run, double stamp_s, const py::array& rgb, const py::array& depth,
                        std::optional<double> depth_scale, std::optional<double> depth_stamp_s,
                        const std::optional<Mask>& mask, bool copy) {
@@ -86,7 +76,7 @@ py::object take_arrays(Run& run, double stamp_s, const py::array& rgb, const py:
   frame.stamp_ns = stamp_ns;
   if (depth_stamp_s) frame.depth_stamp_ns = stamp_ns_of(*depth_stamp_s);
   if (mask) frame.mask = mask_of(*mask, camera.color);
-  return pose_of(without_gil([&] { return Step()(run, std::exchange(frame, {})); }));
+  return pose_of(without_gil([&] { return kStep(run, std::exchange(frame, {})); }));
 }
 
 std::unique_ptr<Result> finish(const std::shared_ptr<Run>& run, const py::object& progress,
@@ -160,7 +150,7 @@ The world is the first camera: x right, y down, z forward, metres.)")
       .def(py::init(&make_run), py::arg("camera"), py::arg("options") = py::none(), py::kw_only(),
            py::arg("load_map") = py::none(), py::arg("localize") = false, py::arg("vocabulary") = py::none(),
            py::arg("threads") = 0)
-      .def("process", &take_frame<Process>, py::arg("frame"), R"(Processes the next frame.
+      .def("process", &take_frame<kProcess>, py::arg("frame"), R"(Processes the next frame.
 
 process(frame): a Frame of kinloop.open.
 process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, mask=None, copy=True): arrays.
@@ -176,14 +166,14 @@ process(stamp_s, rgb, depth, *, depth_scale=None, depth_stamp_s=None, mask=None,
 
 Returns T_world_camera, float64 (4, 4), metres; None while tracking is lost. Later corrections of the map do not change
 poses already returned: finish() returns the final ones. The GIL is released.)")
-      .def("process", &take_arrays<Process>, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"),
+      .def("process", &take_arrays<kProcess>, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"),
            py::kw_only(), py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(),
            py::arg("mask") = py::none(), py::arg("copy") = true)
-      .def("track", &take_frame<Track>, py::arg("frame"),
+      .def("track", &take_frame<kTrack>, py::arg("frame"),
            R"(The first part of process, with the same arguments: returns the pose as soon as it is known.
 
 Call update_map() when the pose has been used; otherwise the next call does that first.)")
-      .def("track", &take_arrays<Track>, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"), py::kw_only(),
+      .def("track", &take_arrays<kTrack>, py::arg("stamp_s"), py::arg("rgb"), py::arg("depth"), py::kw_only(),
            py::arg("depth_scale") = py::none(), py::arg("depth_stamp_s") = py::none(),
            py::arg("mask") = py::none(), py::arg("copy") = true)
       .def(

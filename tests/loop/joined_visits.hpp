@@ -43,7 +43,7 @@ class JoinedVisits {
   const LoopEnds loop{KeyframeId{0}, KeyframeId{kPerVisit}};
   const std::shared_ptr<const SurfaceGrid> wall = std::make_shared<const SurfaceGrid>(
       make_surface_grid(vga_surface_camera(), cv::Mat(480, 640, CV_32FC1, cv::Scalar(2))));
-  const Sensor sensor{PinholeCamera{640, 480, 525, 525, 319.5, 239.5, {}}};
+  const Sensor sensor{vga_camera()};
   Map map;
 
  private:

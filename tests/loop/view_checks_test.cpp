@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/loop/room_views.hpp"
 #include "tests/loop/wall_view.hpp"
 #include "tests/sensor/vga_surfaces.hpp"
 #include "tests/support/random_vectors.hpp"
@@ -148,39 +149,11 @@ TEST_F(DepthCheck, AFewOutliersAreTolerated) {
 
 constexpr double kUnlikely = 1e-3;
 
-/// Two views of one wall in a room of points.
-class AppearanceCheck : public testing::Test {
+class AppearanceCheck : public test::RoomViews {
  protected:
-  AppearanceCheck() {
-    // The check ignores keypoints without depth.
-    noise_.missing_depth_fraction = 0;
-    a_ = *test::observe(world_, T_world_a_, noise_, 1).features;
-    b_ = *test::observe(world_, T_world_b_, noise_, 2).features;
-  }
-
   [[nodiscard]] double chance() const {
     return appearance_p_value({a_}, {b_}, T_world_a_.inverse() * T_world_b_, world_.camera);
   }
-
-  /// Changes the keypoints of `b_` in the window, as if the image differed there.
-  template <class Change>
-  void in_window(double size_px, const Change& change) {
-    const Eigen::Vector2f center(320, 240);
-    for (uint32_t i = 0; i < b_.size(); ++i) {
-      if ((b_.pixels[i] - center).lpNorm<Eigen::Infinity>() < size_px / 2) change(static_cast<int>(i));
-    }
-  }
-
-  void repaint(int row, Random& random) {
-    for (int byte = 0; byte < kOrbBytes; ++byte) {
-      b_.descriptors.at<uint8_t>(row, byte) = static_cast<uint8_t>(random.next());
-    }
-  }
-
-  test::SyntheticWorld world_ = test::make_world(12000, 1);
-  test::ObservationNoise noise_;
-  SE3 T_world_a_ = camera_at(0.05, {-0.1, 0, 0}), T_world_b_ = camera_at(-0.05, {0.1, 0, 0.1});
-  Features a_, b_;
 };
 
 TEST_F(AppearanceCheck, SameSceneHasAHighPValue) {

@@ -1,7 +1,5 @@
 #include "kinloop/back_end/jobs/join_check_job.hpp"
 
-#include "kinloop/map/keyframe_poses.hpp"
-
 namespace kinloop {
 namespace {
 
@@ -29,12 +27,9 @@ AppliedSolution JoinCheckJob::part(Map& map, int min_views) {
   AppliedSolution applied{.map_changed = false};
   applied.refuted_joins = joins_.take_refuted(map, min_views);
   if (applied.refuted_joins.empty()) return applied;
-  const uint32_t components = map.component_count();
-  std::vector<SE3> before = keyframe_poses(map);
-  map.withdraw_loops(applied.refuted_joins, LoopReason::kLooksDifferent);
+  applied.T_world_keyframe_before = map.withdraw_loops(applied.refuted_joins, LoopReason::kLooksDifferent);
   map.advance_epoch();  // work in flight has the visits in one part
   applied.map_changed = applied.loops_corrected = true;
-  if (map.component_count() > components) applied.T_world_keyframe_before = std::move(before);
   return applied;
 }
 

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "kinloop/map/keyframe_poses.hpp"
-
 namespace kinloop {
 namespace {
 
 bool is_edge(const LoopEnds& ends, const Map& map) {
   const auto& loops = map.loop_closures();
-  return std::any_of(loops.begin(), loops.end(), [&](const LoopClosure& loop) {
-    return LoopEnds{loop.a, loop.b} == ends;
-  });
+  return std::any_of(loops.begin(), loops.end(),
+                     [&](const LoopClosure& loop) { return loop.ends() == ends; });
 }
 
 }  // namespace
@@ -44,10 +41,7 @@ std::optional<AppliedSolution> LoopCorrectionJob::apply(Map& map, const LoopCorr
   AppliedSolution applied;
   applied.loops_corrected = true;
   if (!correction.withdrawn.empty()) {
-    const uint32_t components = map.component_count();
-    std::vector<SE3> before = keyframe_poses(map);
-    map.withdraw_loops(correction.withdrawn, LoopReason::kDoesNotFit);
-    if (map.component_count() > components) applied.T_world_keyframe_before = std::move(before);
+    applied.T_world_keyframe_before = map.withdraw_loops(correction.withdrawn, LoopReason::kDoesNotFit);
   }
   map.apply(correction.update);
   map.mark_corrected(correction.loops);

@@ -9,8 +9,7 @@ namespace {
 void carry_out(const LoopDecisions& decisions, Map& map, AppliedSolution& applied) {
   for (const LoopVerificationResult& verified : decisions.accepted) {
     applied.map_changed = applied.loops_added = true;
-    const LoopEnds ends{verified.loop.a, verified.loop.b};
-    applied.merges.push_back({ends, landmark_merges(map, verified)});
+    applied.merges.push_back({verified.loop.ends(), landmark_merges(map, verified)});
     map.add_loop_closure(verified.loop);
   }
   for (const LoopClosure& loop : decisions.others) map.record_loop(loop);
