@@ -42,17 +42,21 @@ void OnlineCovariance::add_keyframe(const TrackedFrame& tracked) {
   make_room_for(keyframe);
   if (tracked.outcome == TrackingOutcome::kNewMap) {
     T_first_keyframe_[keyframe.value] = SE3{};
+    steps_[keyframe.value].emplace();
     return;
   }
   make_room_for(tracked.reference);
-  keyframes_[keyframe.value] = transported(keyframes_[tracked.reference.value], tracked.T_reference_camera) +
-                               kDriftFactor * tracked.covariance;
+  const Matrix6d drift = kDriftFactor * tracked.covariance;
+  keyframes_[keyframe.value] =
+      transported(keyframes_[tracked.reference.value], tracked.T_reference_camera) + drift;
+  steps_[keyframe.value] = {tracked.reference, drift};
   T_first_keyframe_[keyframe.value] = T_first_camera(tracked);
 }
 
 void OnlineCovariance::make_room_for(KeyframeId id) {
   if (id.value < keyframes_.size()) return;
   keyframes_.resize(id.value + 1, Matrix6d::Zero());
+  steps_.resize(id.value + 1);
   T_first_keyframe_.resize(id.value + 1);
 }
 

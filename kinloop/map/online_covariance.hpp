@@ -18,6 +18,13 @@ Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c);
 /// axes of the pose: it grows with the distance.
 Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma);
 
+/// The keyframe that a keyframe was tracked against, and what that added to its covariance.
+struct KeyframeStep {
+  KeyframeId reference;  ///< invalid for the first of a component
+  Matrix6d covariance =
+      Matrix6d::Zero();  ///< of the pose in the reference, with drift; in the axes of the keyframe
+};
+
 /// The covariances of the poses of a run, as they are known at each frame.
 ///
 /// A keyframe inherits the covariance of the keyframe that it was tracked against, and adds its own. So it
@@ -39,6 +46,9 @@ class OnlineCovariance {
   /// reference.
   [[nodiscard]] const std::vector<Matrix6d>& keyframes() const { return keyframes_; }
 
+  /// Returns the step to each keyframe, by its id; nullopt for those of loaded maps. May end early.
+  [[nodiscard]] const std::vector<std::optional<KeyframeStep>>& steps() const { return steps_; }
+
  private:
   void make_room_for(KeyframeId id);
   [[nodiscard]] std::optional<SE3> T_first_camera(const TrackedFrame& tracked) const;
@@ -46,6 +56,7 @@ class OnlineCovariance {
 
   double scale_sigma_;
   std::vector<Matrix6d> keyframes_;
+  std::vector<std::optional<KeyframeStep>> steps_;
   std::vector<std::optional<SE3>> T_first_keyframe_;  // in the component, by id; none for loaded maps
   std::deque<StampedPose> latest_;                    // at most three
   Matrix6d scatter_ = Matrix6d::Zero();               // see pose_scatter, of the frames until now

@@ -1,9 +1,11 @@
 #include "kinloop/slam/slam.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "kinloop/back_end/bridge_lost_frames.hpp"
+#include "kinloop/back_end/drift_covariances.hpp"
 #include "kinloop/back_end/final_bundle_adjustment.hpp"
 #include "kinloop/back_end/pose_covariances.hpp"
 #include "kinloop/back_end/revise_doubt.hpp"
@@ -44,6 +46,11 @@ bool is_prepared(const Frame& frame) {
 SlamOptions validated(const SlamOptions& options) {
   validate(options);
   return options;
+}
+
+std::vector<Matrix6d> sum(std::vector<Matrix6d> a, const std::vector<Matrix6d>& b) {
+  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
+  return a;
 }
 
 }  // namespace
@@ -290,7 +297,8 @@ Trajectory Slam::finish(const Progress& progress) {
     auto adjusted =
         final_bundle_adjustment(map_, log_, sensor_estimate_, back_end_options(options_), progress);
     sensor_estimate_ = std::move(adjusted.sensor);
-    keyframe_covariance_ = std::move(adjusted.keyframe_covariance);
+    keyframe_covariance_ =
+        sum(std::move(adjusted.keyframe_covariance), drift_covariances(map_, online_covariance_.steps()));
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }

@@ -9,25 +9,20 @@ namespace kinloop {
 template <class Pose>
 std::optional<std::vector<typename BasicPoseGraph<Pose>::Matrix>> marginal_covariances(
     const BasicPoseGraph<Pose>& graph, std::span<const uint32_t> vertices) {
-  constexpr int kDof = Pose::kDof;
   const PoseGraphLayout layout = make_pose_graph_layout(graph, fixed_vertices(graph));
   const EliminationPlan plan = plan_elimination(layout.pattern);
   PoseGraphSystem<Pose> system(layout.pattern);
   linearize(graph, layout, PoseGraphKernel{}, graph.T_world_vertex, system);
-  SparseCholesky<kDof> cholesky(plan);
+  SparseCholesky<Pose::kDof> cholesky(plan);
   if (!cholesky.factorize(system.H)) return {};
 
+  const auto of_block = cholesky.inverse_diagonal();
   std::vector<typename BasicPoseGraph<Pose>::Matrix> covariances;
   for (const uint32_t vertex : vertices) {
     require(vertex < layout.block_of_vertex.size(), "pose graph: covariance requested for an unknown vertex");
     const uint32_t block = layout.block_of_vertex[vertex];
     covariances.emplace_back(BasicPoseGraph<Pose>::Matrix::Zero());
-    if (block == kNoBlock) continue;
-    // The diagonal block of a vertex is part of its block column of H^-1.
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(system.minus_g.size(), kDof);
-    const auto row = static_cast<Eigen::Index>(kDof) * block;
-    unit.middleRows<kDof>(row).setIdentity();
-    covariances.back() = cholesky.solve(unit).template middleRows<kDof>(row);
+    if (block != kNoBlock) covariances.back() = of_block[block];
   }
   return covariances;
 }

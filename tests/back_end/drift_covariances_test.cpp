@@ -1,0 +1,99 @@
+#include "kinloop/back_end/drift_covariances.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace kinloop {
+namespace {
+
+constexpr uint32_t kKeyframes = 20;
+constexpr double kVariance = 1e-6;  // of the position after each step, m^2
+
+std::shared_ptr<const Features> some_features(size_t count) {
+  Features features;
+  features.pixels.resize(count);
+  features.depths_m.resize(count, 1);
+  return std::make_shared<const Features>(std::move(features));
+}
+
+/// Keyframes one metre apart, each tracked against the one before. All share landmarks with their neighbour.
+struct Walk {
+  Map map;
+  std::vector<std::optional<KeyframeStep>> steps;
+
+  Walk() {
+    const auto features = some_features(200);
+    for (uint32_t k = 0; k < kKeyframes; ++k) {
+      map.add_keyframe(FrameId{k}, k, SE3{Eigen::Quaterniond::Identity(), {1.0 * k, 0, 0}}, features);
+      KeyframeStep step{k == 0 ? KeyframeId{} : KeyframeId{k - 1}, kVariance * Matrix6d::Identity()};
+      step.covariance.bottomRightCorner<3, 3>() *= 1e-6;  // so that positions alone add up
+      steps.emplace_back(step);
+      if (k > 0) share(k - 1, k, 0);
+    }
+  }
+
+  /// Lets two keyframes share 50 landmarks, from these keypoints on.
+  void share(uint32_t a, uint32_t b, uint32_t first_feature) {
+    for (uint32_t i = first_feature; i < first_feature + 50; ++i) {
+      const LandmarkId landmark = map.add_landmark(KeyframeId{a}, i, {0, 0, 1});
+      map.add_observation(landmark, {KeyframeId{b}, 50 + i});
+    }
+  }
+
+  [[nodiscard]] std::vector<double> sigmas_m() const {
+    std::vector<double> sigmas;
+    for (const Matrix6d& covariance : drift_covariances(map, steps))
+      sigmas.push_back(std::sqrt(covariance(1, 1)));
+    return sigmas;
+  }
+};
+
+TEST(DriftCovariances, AddUpWhereTheCameraSeesNothingAgain) {
+  const auto sigmas_m = Walk().sigmas_m();
+  EXPECT_EQ(sigmas_m[0], 0);
+  EXPECT_NEAR(sigmas_m[19] / sigmas_m[1], std::sqrt(19), 0.05);
+}
+
+TEST(DriftCovariances, ARevisitTiesBothVisitsTogether) {
+  const auto open_m = Walk().sigmas_m();
+  Walk closed;
+  closed.share(0, 19, 100);
+  const auto closed_m = closed.sigmas_m();
+  EXPECT_LT(closed_m[19], 1.1 * open_m[1]);
+  EXPECT_NEAR(closed_m[10] / open_m[10], std::sqrt(0.5), 0.05);  // of two ways of ten steps
+}
+
+TEST(DriftCovariances, NeighboursAreNoRevisits) {
+  Walk walk;
+  for (uint32_t k = 2; k < kKeyframes; ++k) walk.share(k - 2, k, 100);
+  EXPECT_THAT(walk.sigmas_m(), testing::Pointwise(testing::DoubleNear(1e-9), Walk().sigmas_m()));
+}
+
+TEST(DriftCovariances, ALoopTiesComponentsTogether) {
+  Walk walk;
+  walk.steps[10] = KeyframeStep{};  // begins a component, which a loop has joined
+  EXPECT_EQ(walk.sigmas_m()[10], 0) << "unknown";
+  walk.map.add_loop_closure({.a = KeyframeId{0},
+                             .b = KeyframeId{10},
+                             .T_a_b = SE3{Eigen::Quaterniond::Identity(), {10, 0, 0}},
+                             .information = 1e4 * Matrix6d::Identity(),
+                             .stage = LoopStage::kVerified});
+  EXPECT_NEAR(walk.sigmas_m()[10], 1e-2, 1e-6);
+}
+
+TEST(DriftCovariances, LoadedKeyframesAreExact) {
+  Walk walk;
+  for (uint32_t k = 0; k < 10; ++k) walk.steps[k].reset();
+  const auto sigmas_m = walk.sigmas_m(), fresh_m = Walk().sigmas_m();
+  for (uint32_t k = 0; k < 10; ++k) EXPECT_EQ(sigmas_m[k], 0) << k;
+  EXPECT_NEAR(sigmas_m[19], fresh_m[10], 1e-9);
+}
+
+TEST(DriftCovariances, StepsOfUnknownCovarianceCountAsExact) {
+  Walk walk;
+  walk.steps[5]->covariance.setZero();
+  EXPECT_NEAR(walk.sigmas_m()[5], walk.sigmas_m()[4], 1e-5);
+}
+
+}  // namespace
+}  // namespace kinloop
