@@ -13,6 +13,7 @@
 #include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
+#include "kinloop/tracking/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {
@@ -24,6 +25,7 @@ constexpr double kStep_m = 0.3, kDepth_m = 2;
 RgbdCamera some_camera() {
   RgbdCamera camera;
   camera.color = {640, 480, 525, 525, 319.5, 239.5, {}};
+  camera.rolling_shutter_s = 0.03;
   return camera;
 }
 
@@ -41,6 +43,12 @@ std::shared_ptr<const Features> some_features(Random& random) {
   features.measured_depths_m = features.depths_m;
   features.descriptors = cv::Mat(static_cast<int>(kKeypoints), 32, CV_8UC1, cv::Scalar(0));
   return std::make_shared<const Features>(std::move(features));
+}
+
+/// Compensates all keyframes for their motion, as when the times of the sensor have been estimated.
+void deskew(const Map& map, const Sensor& sensor) {
+  const Velocity velocity{{0.3, 0, 0.1}, {0, 0.5, 0.1}};
+  for (const Keyframe& keyframe : map.keyframes()) deskew_features(*keyframe.features, sensor, velocity);
 }
 
 /// Keyframe k first sees the landmarks k * kNewPerKeyframe and following, which the next ones see again.
@@ -96,12 +104,13 @@ void measure(uint32_t keyframes) {
                global_ba_ms = time_ms([&] { make_global_ba_problem(map, sensor); }),
                calibration_ms = time_ms(
                    [&] { make_self_calibration_problem(map, sensor, std::vector<Velocity>(keyframes)); }),
+               deskew_ms = time_ms([&] { deskew(map, sensor); }),
                pose_graph_ms = time_ms([&] { make_pose_graph(map, {}); });
   Map corrected = map;
   const MapUpdate correction = correction_of(map);
   const double apply_ms = time_ms([&] { corrected.apply(correction); });
-  fmt::print("{:9} {:12.2f} {:12.2f} {:12.1f} {:14.1f} {:12.1f} {:12.1f}\n", keyframes, local_map_ms,
-             local_ba_ms, global_ba_ms, calibration_ms, pose_graph_ms, apply_ms);
+  fmt::print("{:9} {:12.2f} {:12.2f} {:12.1f} {:14.1f} {:12.1f} {:12.1f} {:12.1f}\n", keyframes, local_map_ms,
+             local_ba_ms, global_ba_ms, calibration_ms, deskew_ms, pose_graph_ms, apply_ms);
 }
 
 }  // namespace
@@ -109,7 +118,9 @@ void measure(uint32_t keyframes) {
 
 int main() {
   fmt::print(
-      "ms        every keyframe            now and then\n{:>9} {:>12} {:>12} {:>12} {:>14} {:>12} {:>12}\n",
-      "keyframes", "local map", "local BA", "global BA", "calibration", "pose graph", "correction");
+      "ms        every keyframe            now and then\n{:>9} {:>12} {:>12} {:>12} {:>14} {:>12} {:>12} "
+      "{:>12}\n",
+      "keyframes", "local map", "local BA", "global BA", "calibration", "deskewing", "pose graph",
+      "correction");
   for (const uint32_t keyframes : {10U, 200U, 400U, 1000U, 10000U}) kinloop::measure(keyframes);
 }

@@ -27,7 +27,7 @@ struct AppliedResults {
   bool map_changed = false;
   /// If components were parted: T_world_camera of all keyframes before.
   std::vector<SE3> T_world_keyframe_before;
-  std::optional<SensorEstimate> sensor;                           ///< set if newly estimated
+  std::optional<AppliedSensor> sensor;                            ///< set if newly estimated
   std::vector<std::pair<std::string_view, ElapsedTime>> elapsed;  ///< per job, including stale ones
   std::vector<std::string_view> stale;                            ///< kinds of stale jobs
 };

@@ -247,11 +247,11 @@ void Slam::follow_own_part(const std::vector<SE3>& T_world_keyframe_before) {
   tracker_.update(map_, own->id, T_own_old);
 }
 
-/// Uses this sensor from now on and updates the keyframes.
-void Slam::apply_sensor_estimate(const SensorEstimate& estimate) {
-  sensor_estimate_ = with_fixed_from(estimate, sensor_estimate_);
+/// Uses this sensor from now on, and compensates the keyframes that were added while it was estimated.
+void Slam::apply_sensor_estimate(const AppliedSensor& applied) {
+  sensor_estimate_ = with_fixed_from(applied.estimate, sensor_estimate_);
   const auto velocities = keyframe_velocities(log_, map_);
-  for (uint32_t i = 0; i < velocities.size(); ++i) {
+  for (auto i = static_cast<uint32_t>(applied.compensated_keyframes); i < velocities.size(); ++i) {
     const Features& features = *map_.keyframe(KeyframeId{i}).features;
     map_.set_features(KeyframeId{i},
                       std::make_shared<const Features>(deskew_features(features, sensor(), velocities[i])));

@@ -167,7 +167,7 @@ class Slam {
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_results(const AppliedResults& results);
   void follow_own_part(const std::vector<SE3>& T_world_keyframe_before);
-  void apply_sensor_estimate(const SensorEstimate& estimate);
+  void apply_sensor_estimate(const AppliedSensor& applied);
   [[nodiscard]] TrackedFrame with_keyframe(TrackedFrame tracked);
   [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
   void insert_keyframe(TrackedFrame& tracked);

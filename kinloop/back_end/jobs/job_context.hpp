@@ -30,6 +30,12 @@ struct JobContext {
   KeyframeId new_keyframe;  ///< valid if one was just inserted
 };
 
+/// A sensor that was estimated during the run.
+struct AppliedSensor {
+  SensorEstimate estimate;
+  size_t compensated_keyframes = 0;  ///< so many have keypoints compensated by its times, in order of ids
+};
+
 /// Effects of an applied solution.
 struct AppliedSolution {
   bool map_changed = true;
@@ -39,7 +45,7 @@ struct AppliedSolution {
   bool loops_corrected = false;              ///< the pose graph was solved with all its loops
   /// If components were parted: T_world_camera of all keyframes before.
   std::vector<SE3> T_world_keyframe_before = {};
-  std::optional<SensorEstimate> sensor = {};  ///< set if newly estimated
+  std::optional<AppliedSensor> sensor = {};  ///< set if newly estimated
 };
 
 }  // namespace kinloop

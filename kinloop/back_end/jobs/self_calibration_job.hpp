@@ -1,6 +1,10 @@
 #pragma once
-// Self-calibration of the sensor times during the run, with the map adjusted to them. Not in a large map: the
-// times are known by then, and copying it would delay the frame at which the job starts.
+// Self-calibration of the sensor times during the run, with the map adjusted to them and its keypoints
+// compensated by them. Not in a large map: the times are known by then, and copying it would delay the frame
+// at which the job starts.
+
+#include <memory>
+#include <vector>
 
 #include "kinloop/back_end/jobs/job_context.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
@@ -15,8 +19,12 @@ class SelfCalibrationJob {
   struct Problem {
     BundleAdjustmentProblem problem;
     BundleOptions options;
+    std::vector<std::shared_ptr<const Features>> features;  ///< of all keyframes, by id
   };
-  using Solution = SelfCalibrationResult;
+  struct Solution {
+    SelfCalibrationResult result;
+    std::vector<std::shared_ptr<const Features>> features;  ///< compensated for the motion by the new times
+  };
 
   /// `nominal` is the sensor of camera.yaml.
   SelfCalibrationJob(const SensorEstimate& nominal, const BackEndOptions& options)
@@ -31,8 +39,8 @@ class SelfCalibrationJob {
   [[nodiscard]] bool is_due(const JobContext& context) const;
   [[nodiscard]] Problem make_problem(const JobContext& context) const;
   [[nodiscard]] static Solution solve(const Problem& problem);
-  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& result);
-  void on_stale(const Solution& /*result*/) {}
+  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& solution);
+  void on_stale(const Solution& /*solution*/) {}
 
  private:
   bool enabled_;
