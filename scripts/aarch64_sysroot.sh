@@ -7,7 +7,7 @@ set -euo pipefail
 packages=(
   libc6-dev libstdc++-12-dev
   libopencv-dev libeigen3-dev libceres-dev libsuitesparse-dev libblas-dev liblapack-dev libhwy-dev
-  libturbojpeg0-dev libdeflate-dev libtiff-dev libopenexr-dev libsqlite3-dev
+  libturbojpeg0-dev libdeflate-dev liblz4-dev libzstd-dev libbz2-dev libtiff-dev libopenexr-dev libsqlite3-dev
   libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev libbenchmark-dev libboost-dev
 )
