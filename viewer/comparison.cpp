@@ -105,6 +105,17 @@ void show_ways(Scene& scene, const Comparison& comparison) {
   scene.put(PartKind::kLoops, 0, encode_pairs(comparison.loops));
 }
 
+/// The frames of both; keyframes are numbered as in the scene.
+void show_timelines(Scene& scene, const Comparison& comparison) {
+  scene.put(PartKind::kTimeline, 0, encode_timeline(comparison.before.timeline));
+  std::vector<TimelineFrame> after = comparison.after.timeline;
+  for (TimelineFrame& frame : after) {
+    if (frame.keyframe.valid())
+      frame.keyframe.value += static_cast<uint32_t>(comparison.before.keyframes.size());
+  }
+  scene.put(PartKind::kTimeline, 1, encode_timeline(after));
+}
+
 /// Sends the clouds, and returns which pieces belong to which layer: [first, end).
 json show_layers(Scene& scene, const Comparison& comparison) {
   json pieces_of_layer;
@@ -182,6 +193,7 @@ void show_comparison(Scene& scene, const Comparison& comparison) {
   table["keyframesBefore"] = before.keyframes.size();
   table["pieces"] = show_layers(scene, comparison);
   scene.put(PartKind::kComparison, 0, encode_json(table));
+  show_timelines(scene, comparison);
 }
 
 }  // namespace kinloop

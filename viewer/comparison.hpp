@@ -14,6 +14,7 @@ struct ComparedVisit {
   std::string name;
   Trajectory path, keyframes;  ///< in the common world
   ColoredCloud cloud;
+  std::vector<TimelineFrame> timeline;  ///< its keyframes are indices into `keyframes`
 };
 
 struct Comparison {

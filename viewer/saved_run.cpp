@@ -12,13 +12,13 @@
 #include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "tools/evaluation/evaluate.hpp"
 #include "viewer/index_by_stamp.hpp"
 #include "viewer/point_files/glb_file.hpp"
 #include "viewer/point_files/point_file.hpp"
 #include "viewer/report/frame_table.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/report/run_up_direction.hpp"
+#include "viewer/scene/coarse_mesh.hpp"
 #include "viewer/scene/saved_cloud.hpp"
 
 namespace kinloop {
@@ -168,13 +168,10 @@ void read_mesh(const fs::path& folder, SavedRun& run) {
 }
 
 SavedRun read_folder(const fs::path& path) {
-  SavedRun run;
   const auto folder = RunFolder::open_existing(path);
+  SavedRun run = read_frames_and_truth(path);
   run.path = read_tum_trajectory(folder.trajectory());
   run.keyframes = read_if_there(folder.keyframes());
-  run.truth = read_if_there(folder.ground_truth());
-  if (fs::exists(folder.frames())) run.frames = read_frame_table(folder.frames());
-  run.doubt_ns = doubt_of(run.frames);
   if (fs::exists(folder.map())) run.cloud = read_ply(folder.map());
   if (fs::exists(folder.run_json())) run.metrics = read_run_json(folder.run_json());
   read_mesh(path, run);
@@ -185,6 +182,17 @@ SavedRun read_folder(const fs::path& path) {
   run.loops = loops_of(run.metrics, run.keyframes);
   run.up = read_up_direction(run.metrics, run.path);
   return run;
+}
+
+void show_pieces(Scene& scene, std::span<const CloudPiece> pieces, size_t begin, size_t end) {
+  for (size_t i = begin; i < end; ++i)
+    scene.put(PartKind::kCloud, static_cast<uint32_t>(i), encode_cloud(pieces[i]));
+}
+
+/// A stand-in for a large mesh, which takes long to send and to draw.
+void show_coarsely(Scene& scene, const ColoredMesh& mesh) {
+  constexpr size_t kLarge = 200'000, kCoarse = 20'000;  // triangles
+  if (mesh.triangles.size() > kLarge) scene.put(PartKind::kMesh, 1, encode_mesh(coarse_mesh(mesh, kCoarse)));
 }
 
 /// The loops, and the map that they can be withdrawn from if it is known.
@@ -229,8 +237,19 @@ std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log) {
   return doubt_ns;
 }
 
-std::vector<TimelineFrame> timeline_of(const SavedRun& run) {
+SavedRun read_frames_and_truth(const fs::path& path) {
+  SavedRun run;
+  if (!fs::is_directory(path)) return run;
+  const auto folder = RunFolder::open_existing(path);
+  run.truth = read_if_there(folder.ground_truth());
+  if (fs::exists(folder.frames())) run.frames = read_frame_table(folder.frames());
+  run.doubt_ns = doubt_of(run.frames);
+  return run;
+}
+
+std::vector<TimelineFrame> timeline_of(const SavedRun& run, std::span<const PoseError> errors) {
   const auto place = index_by_stamp(run.path), keyframe = index_by_stamp(run.keyframes);
+  const auto error = index_by_stamp(errors);
   std::vector<TimelineFrame> timeline;
   for (const FrameRow& row : run.frames.empty() ? frames_of_path(run) : run.frames) {
     TimelineFrame frame{.stamp_s = to_seconds(row.stamp_ns),
@@ -239,11 +258,14 @@ std::vector<TimelineFrame> timeline_of(const SavedRun& run) {
                         .tracked = static_cast<float>(row.tracked),
                         .sigma_m = static_cast<float>(row.sigma_m),
                         .ms = static_cast<float>(row.ms),
+                        .error_m = 0,
                         .T_world_camera = {}};
     if (const auto at = keyframe.find(row.stamp_ns); at != keyframe.end())
       frame.keyframe = KeyframeId{at->second};
     if (const auto at = place.find(row.stamp_ns); at != place.end())
       frame.T_world_camera = run.path[at->second].T_world_camera;
+    if (const auto at = error.find(row.stamp_ns); at != error.end())
+      frame.error_m = static_cast<float>(errors[at->second].error_m);
     timeline.push_back(frame);
   }
   std::sort(timeline.begin(), timeline.end(),
@@ -270,13 +292,13 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
   json status = status_of(run);
   if (ate) status["ateM"] = ate->error_m.rmse;
   scene.put(PartKind::kStatus, 0, encode_json(status));
-  if (const auto timeline = timeline_of(run); !timeline.empty())
+  const std::vector<CloudPiece> pieces = split_into_pieces(run.cloud);
+  show_pieces(scene, pieces, 0, std::min<size_t>(1, pieces.size()));  // the first picture
+  show_coarsely(scene, run.mesh);
+  if (const auto timeline = timeline_of(run, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
   if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
-  uint32_t index = 0;
-  for (const CloudPiece& piece : split_into_pieces(run.cloud)) {
-    scene.put(PartKind::kCloud, index++, encode_cloud(piece));
-  }
+  show_pieces(scene, pieces, 1, pieces.size());
   if (!run.mesh.triangles.empty()) scene.put(PartKind::kMesh, 0, encode_mesh(run.mesh));
   if (!run.model.empty()) scene.put(PartKind::kModel, 0, {run.model.begin(), run.model.end()});
 }

@@ -9,6 +9,7 @@
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/map/tracked_frame.hpp"
 #include "session/viewer_options.hpp"
+#include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/frame_table.hpp"
 #include "viewer/saved_loops.hpp"
 #include "viewer/scene/scene.hpp"
@@ -42,8 +43,11 @@ std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log);
 /// InputError naming what is missing or damaged.
 SavedRun read_saved_run(const std::filesystem::path& path);
 
-/// Returns the frames of a run for its timeline; without a frame table, those of the path.
-std::vector<TimelineFrame> timeline_of(const SavedRun& run);
+/// Reads what a run's folder has beside poses: its frames, and the ground truth. Nothing of a map file.
+SavedRun read_frames_and_truth(const std::filesystem::path& path);
+
+/// Returns the frames of a run for its timeline, with those errors; without a frame table, those of the path.
+std::vector<TimelineFrame> timeline_of(const SavedRun& run, std::span<const PoseError> errors = {});
 
 /// Fills the scene with it.
 void show_saved_run(Scene& scene, const SavedRun& run);

@@ -11,6 +11,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "viewer/report/report.hpp"
+#include "viewer/saved_run.hpp"
 
 namespace kinloop {
 namespace {
@@ -49,6 +50,17 @@ std::unordered_map<KeyframeId, KeyframeId> split_keyframes(const Map& map, uint3
         .keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
   }
   return number_of;
+}
+
+/// The frames of one map, with its poses in the joined one, and their errors where the folder has the truth.
+std::vector<TimelineFrame> timeline_in(const std::filesystem::path& input, const ComparedVisit& visit,
+                                       std::span<const TrackedFrame> log) {
+  SavedRun run = read_frames_and_truth(input);
+  if (run.frames.empty()) run.doubt_ns = doubt_of(log);
+  run.path = visit.path;
+  run.keyframes = visit.keyframes;
+  const auto ate = absolute_trajectory_error(run.path, run.truth);
+  return timeline_of(run, ate ? ate->poses : std::vector<PoseError>());
 }
 
 }  // namespace
@@ -92,11 +104,13 @@ Comparison comparison_of(const ComparedMaps& compared, const MergeRequest& reque
   Comparison shown{.before = {input_name(request.a.string()),
                               path_in(component, log.first(frames_of_a), map),
                               {},
-                              compared.before},
+                              compared.before,
+                              {}},
                    .after = {input_name(request.b.string()),
                              path_in(component, log.subspan(frames_of_a), map),
                              {},
-                             compared.after},
+                             compared.after,
+                             {}},
                    .difference = compared.difference,
                    .loops = {},
                    .loops_between = merged.loops_between,
@@ -104,6 +118,8 @@ Comparison comparison_of(const ComparedMaps& compared, const MergeRequest& reque
                    .R_file_world = compared.file_frame().R_file_world,
                    .half_size_at_1m = {camera.width / camera.fx / 2, camera.height / camera.fy / 2}};
   const auto number_of = split_keyframes(map, component, merged.first_of_b, shown.before, shown.after);
+  shown.before.timeline = timeline_in(request.a, shown.before, log.first(frames_of_a));
+  shown.after.timeline = timeline_in(request.b, shown.after, log.subspan(frames_of_a));
   for (const LoopClosure& loop : map.loop_closures()) {
     const auto a = number_of.find(loop.a), b = number_of.find(loop.b);
     if (a != number_of.end() && b != number_of.end()) shown.loops.emplace_back(a->second, b->second);

@@ -108,6 +108,69 @@ async function checkMoved(page) {
   await page.keyboard.press('Escape');
 }
 
+/** One timeline for both runs: a cursor, a camera and an image of each, and their errors in one plot. */
+async function checkTimeline(page, open, shoot) {
+  const moment = () => page.textContent('#momentText');
+  const rows = () => page.locator('#tracks div').allTextContents();
+  const cameras = () => page.evaluate(() => window.kinloop.world.cameras.map(({ pose }) => pose?.elements.slice(12, 15)));
+  assert.ok(await page.isVisible('#timeline'));
+  assert.equal(await page.inputValue('#plotted'), 'errorM', 'both have ground truth');
+  await page.locator('#bar').focus();
+  await page.keyboard.press('Home');
+  assert.match(await moment(), /^0\.00 s · .* apart$/);
+  assert.match((await rows()).join(' | '), /^before: frame 1 of \d+ · tracked.* \| after: frame 1 of \d+ · tracked/);
+  assert.match(await page.getAttribute('#bar', 'aria-valuetext'), /^0\.00 s.*; before: frame 1 of .*; after: frame 1 of /);
+  const first = await cameras();
+  await page.keyboard.press('ArrowRight');
+  assert.match((await rows()).join(' | '), /before: frame 2 of .* after: frame 2 of /, 'they share a clock');
+  for (let i = 0; i < 30; ++i) await page.keyboard.press('ArrowRight');
+  const later = await cameras();
+  later.forEach((camera, side) => assert.notDeepEqual(camera, first[side], `camera ${side} moves`));
+  assert.match((await rows()).join(' | '), /error \d+\.\d mm.* \| .*error \d+\.\d mm/);
+  const [apart, unit] = (await moment()).match(/([\d.]+) (mm|cm|m) apart/).slice(1);
+  const wantedM = Math.hypot(...later[0].map((x, axis) => x - later[1][axis]));
+  assert.ok(Math.abs(Number(apart) * { mm: 1e-3, cm: 1e-2, m: 1 }[unit] - wantedM) < 1e-3 + 0.01 * wantedM, await moment());
+  await page.keyboard.press('Shift+ArrowRight');
+  assert.match((await rows()).join(' | '), /keyframe \d+/, 'the next keyframe of either');
+  for (const image of ['#colorImage', '#otherImage']) await until(async () => (await paintedPixels(page, image)) > 5000, image);
+  assert.match(await page.textContent('#colorImage + figcaption'), /^keyframe \d+ of before/);
+  assert.match(await page.textContent('#otherImage + figcaption'), /^keyframe \d+ of after/);
+  await until(() => page.evaluate(() => window.kinloop.world.cameras.every(({ picture }) => picture.visible)), 'they are in the frusta, too');
+
+  // By pointer, and a link to the moment.
+  const { x, y, width, height } = await page.locator('#bar').boundingBox();
+  await page.mouse.click(x + width / 2, y + height / 2);
+  await until(() => page.url().includes('#t='), 'the address is a link to the moment');
+  await page.waitForTimeout(600); // it is changed twice a second
+  const linked = await open(page.url());
+  await until(async () => (await linked.textContent('#momentText')) === (await moment()), 'a link opens at its moment');
+  await linked.close();
+
+  // A keyframe of the second run moves both cameras to its moment.
+  await page.evaluate(() => window.kinloop.panel.picked.showKeyframe(window.kinloop.world.poses.count - 1));
+  assert.match((await rows())[1], /keyframe \d+$/);
+  await page.keyboard.press('1');
+  await page.waitForTimeout(1500);
+  await shoot(page, 'compare-timeline-light');
+}
+
+/** Runs whose clocks have nothing in common start together, and the shorter one ends. */
+async function checkOtherClock(page) {
+  const [before, after, ended, back] = await page.evaluate(() => {
+    const { timeline, world } = window.kinloop;
+    const [run] = timeline.runs;
+    const later = { ...run, stampS: run.stampS.map((stampS) => 1e6 + 2 * stampS) };
+    timeline.take(later, 1);
+    timeline.jump(20);
+    const frames = timeline.tracks.map(({ frame }) => frame);
+    timeline.jumpToEnd();
+    return [...frames, !timeline.tracks[0].frame && !world.cameras[0].pose, timeline.tracks[1].frame === run.count - 1];
+  });
+  assert.ok(before >= 2 * after - 1 && after > 5, `${before} and ${after}`);
+  assert.ok(ended && back);
+  assert.match((await page.locator('#tracks div').allTextContents())[0], /before: no frame/);
+}
+
 async function checkPhone(page, shoot) {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.click('#row [data-opens=comparison]');
@@ -154,10 +217,10 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await until(async () => (await seen(page)).points > 10_000, 'the clouds are there');
   await until(() => page.evaluate(() => window.kinloop.world.pictures.count > 20), 'the images are there');
   assert.equal(await page.textContent('#input'), 'before → after');
-  assert.equal(await page.isVisible('#timeline'), false);
   await checkLayers(page);
   await checkSelection(page);
   await checkKeys(page);
+  await checkTimeline(page, open, shoot);
   await page.keyboard.press('o');
   await page.waitForTimeout(1500); // until it has arrived
   await shoot(page, 'compare-light');
@@ -168,6 +231,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await shoot(page, 'compare-dark');
   await checkPhone(page, shoot);
   await checkMoved(page);
+  await checkOtherClock(page);
   assert.deepEqual(found, []);
   await page.close();
 

@@ -105,7 +105,7 @@ async function checkPicks(page, shoot) {
 async function checkTimeline(page, open, shoot) {
   const moment = () => page.textContent('#momentText');
   const camera = async () => (await seen(page)).camera;
-  const count = await page.evaluate(() => window.kinloop.timeline.frames.count);
+  const count = await page.evaluate(() => window.kinloop.timeline.tracks[0].frames.count);
   await page.locator('#bar').focus();
   await page.keyboard.press('End');
   assert.match(await moment(), new RegExp(`frame ${count} of ${count}`));
@@ -114,10 +114,10 @@ async function checkTimeline(page, open, shoot) {
   await page.keyboard.press('ArrowLeft');
   assert.match(await moment(), new RegExp(`frame ${count - 1} of ${count}`));
   await page.keyboard.press('Shift+ArrowLeft');
-  assert.match(await moment(), /keyframe \d+/);
+  assert.match(await moment(), /error \d+\.\d mm .* keyframe \d+/, 'there is ground truth');
   assert.notDeepEqual(await camera(), last, 'the camera moves');
   await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the image of the nearest keyframe');
-  await until(() => page.evaluate(() => window.kinloop.world.cameraPicture.visible), 'it is in the frustum, too');
+  await until(() => page.evaluate(() => window.kinloop.world.cameras[0].picture.visible), 'it is in the frustum, too');
   await page.keyboard.press('Home');
   assert.match(await moment(), /frame 1 of/);
   await page.selectOption('#speed', '0.5'); // so that it is not over before it can be paused
@@ -126,8 +126,9 @@ async function checkTimeline(page, open, shoot) {
   await until(async () => !(await moment()).includes('frame 1 of'), 'it plays');
   await page.keyboard.press('Space');
   assert.equal(await page.textContent('#play'), 'Play', 'it is paused');
+  await page.selectOption('#plotted', 'errorM'); // there is ground truth
   await page.selectOption('#plotted', 'sigmaM');
-  assert.ok((await page.evaluate(() => window.kinloop.timeline.bar.loops.length)) >= 2, 'loops are marked');
+  assert.ok((await page.evaluate(() => window.kinloop.timeline.bar.loops[0].length)) >= 2, 'loops are marked');
   assert.ok((await paintedPixels(page, '#bar')) > 5000, 'it is drawn');
 
   const { x, y, width, height } = await page.locator('#bar').boundingBox();
@@ -136,7 +137,7 @@ async function checkTimeline(page, open, shoot) {
   const [frame] = middle.match(/\d+ of/);
   assert.ok(Math.abs(parseInt(frame) - count / 2) < 0.05 * count, `${middle}: the pointer seeks`);
   const link = await page.evaluate(() => {
-    const { frames, frame } = window.kinloop.timeline;
+    const [{ frames, frame }] = window.kinloop.timeline.tracks;
     return `#t=${(frames.stampS[frame] - frames.stampS[0]).toFixed(3)}`;
   });
   await until(() => page.url().endsWith(link), 'the address is a link to the moment');

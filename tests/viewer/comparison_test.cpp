@@ -28,9 +28,9 @@ ColoredCloud points_at(std::vector<Eigen::Vector3f> points) {
 Comparison visits() {
   Comparison comparison;
   comparison.before = {
-      "monday", {{1, {}}, {2, {}}}, {{1, {}}}, points_at({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {5, 0, 0}})};
+      "monday", {{1, {}}, {2, {}}}, {{1, {}}}, points_at({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {5, 0, 0}}), {}};
   comparison.after = {
-      "tuesday", {{1, {}}}, {{1, {}}, {3, {}}}, points_at({{2, 0, 0}, {2, 1, 0}, {0, 0, 0}, {7, 0, 0}})};
+      "tuesday", {{1, {}}}, {{1, {}}, {3, {}}}, points_at({{2, 0, 0}, {2, 1, 0}, {0, 0, 0}, {7, 0, 0}}), {}};
   using enum PointChange;
   comparison.difference.before = {kSame, kChanged, kChanged, kChanged};
   comparison.difference.after = {kChanged, kChanged, kSame, kChanged};
@@ -81,6 +81,21 @@ TEST(ComparedMaps, TheSceneSaysWhichPiecesShowWhat) {
   EXPECT_EQ(test::part(scene, PartKind::kPath)->body->size(), 2U * 4 * sizeof(float));
   EXPECT_EQ(test::part(scene, PartKind::kOtherPath)->body->size(), 3U * sizeof(float));
   EXPECT_EQ(*test::part(scene, PartKind::kLoops)->body, encode_pairs(visits().loops));
+}
+
+TEST(ComparedMaps, TheSceneHasTheFramesOfBothWithTheirKeyframes) {
+  Comparison comparison = visits();
+  TimelineFrame frame;
+  frame.keyframe = KeyframeId{0};
+  comparison.before.timeline = {frame};
+  comparison.after.timeline = {frame, TimelineFrame()};
+  Scene scene("x");
+  show_comparison(scene, comparison);
+  const auto timelines = test::parts(scene, PartKind::kTimeline);
+  ASSERT_EQ(timelines.size(), 2U);
+  EXPECT_EQ(*timelines[0].body, encode_timeline(comparison.before.timeline));
+  comparison.after.timeline[0].keyframe = KeyframeId{1};
+  EXPECT_EQ(*timelines[1].body, encode_timeline(comparison.after.timeline)) << "numbered as in the scene";
 }
 
 TEST(ComparedMaps, ObjectsHaveUprightBoxes) {

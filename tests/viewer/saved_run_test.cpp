@@ -81,7 +81,7 @@ TEST_F(SavedRunTest, HasATimelineOfAllItsFrames) {
   EXPECT_FALSE(frames[2].T_world_camera);
 
   const WireBytes bytes = encode_timeline(frames);
-  ASSERT_EQ(bytes.size(), 3U * 56);
+  ASSERT_EQ(bytes.size(), 3U * 64);
   float last = 0;
   std::memcpy(&last, bytes.data() + bytes.size() - sizeof last, sizeof last);
   EXPECT_TRUE(std::isnan(last)) << "a lost frame has no pose";
@@ -98,6 +98,17 @@ TEST_F(SavedRunTest, HasATimelineOfItsPathWithoutAFrameTable) {
   EXPECT_EQ(frames[0].status, FrameStatus::kTracked);
   EXPECT_EQ(frames[1].status, FrameStatus::kDoubtful);
   EXPECT_TRUE(part(run, PartKind::kTimeline));
+}
+
+TEST_F(SavedRunTest, ItsTimelineHasTheErrorsOfFramesThatHaveTheTruth) {
+  SavedRun run;
+  run.path = {{1, {}}, {2, {}}, {3, {}}};
+  const std::vector<PoseError> errors = {{1, 0.5}, {3, 0.25}};
+  const auto frames = timeline_of(run, errors);
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[0].error_m, 0.5F);
+  EXPECT_EQ(frames[1].error_m, 0) << "unknown";
+  EXPECT_EQ(frames[2].error_m, 0.25F);
 }
 
 TEST_F(SavedRunTest, HasTheErrorsOfItsKeyframesWhereThereIsTruth) {

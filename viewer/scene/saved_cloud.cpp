@@ -9,7 +9,8 @@
 namespace kinloop {
 namespace {
 
-constexpr size_t kPiecePoints = 1 << 16;  // largest piece that a browser processes at once
+constexpr size_t kPiecePoints = 1 << 16;       // largest piece that a browser processes at once
+constexpr size_t kFirstPiecePoints = 1 << 14;  // which a slow connection soon has: the first picture
 
 /// A multiple of the box that holds nine tenths of the points per coordinate.
 Eigen::AlignedBox3f outlier_fence(const ColoredCloud& mixed) {
@@ -29,9 +30,9 @@ Eigen::AlignedBox3f outlier_fence(const ColoredCloud& mixed) {
 }
 
 void append_pieces(const ColoredCloud& cloud, std::vector<CloudPiece>& pieces) {
-  for (size_t first = 0; first < cloud.size(); first += kPiecePoints) {
-    const auto begin = static_cast<long>(first);
-    const auto end = static_cast<long>(std::min(cloud.size(), first + kPiecePoints));
+  for (size_t first = 0, next = 0; first < cloud.size(); first = next) {
+    next = std::min(cloud.size(), first + (pieces.empty() ? kFirstPiecePoints : kPiecePoints));
+    const auto begin = static_cast<long>(first), end = static_cast<long>(next);
     CloudPiece piece;
     piece.cloud.points.assign(cloud.points.begin() + begin, cloud.points.begin() + end);
     piece.cloud.colors.assign(cloud.colors.begin() + begin, cloud.colors.begin() + end);

@@ -160,7 +160,7 @@ WireBytes encode_mesh_piece(const MeshPiece& piece) {
 }
 
 WireBytes encode_timeline(std::span<const TimelineFrame> frames) {
-  constexpr size_t kBytesPerFrame = 56;
+  constexpr size_t kBytesPerFrame = 64;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const SE3 nowhere{Eigen::Quaterniond(kNan, kNan, kNan, kNan), Eigen::Vector3d::Constant(kNan)};
   Writer body(frames.size() * kBytesPerFrame);
@@ -168,7 +168,8 @@ WireBytes encode_timeline(std::span<const TimelineFrame> frames) {
     body.put(frame.stamp_s);
     body.put(frame.status);
     body.put(frame.keyframe.value);
-    for (const float figure : {frame.tracked, frame.sigma_m, frame.ms}) body.put(figure);
+    for (const float figure : {frame.tracked, frame.sigma_m, frame.ms, frame.error_m}) body.put(figure);
+    body.put(uint32_t{0});  // aligns the next stamp
     body.put(frame.T_world_camera.value_or(nowhere));
   }
   return body.take();

@@ -41,11 +41,11 @@ enum class PartKind : uint32_t {
   kFeatures = 10,       ///< per keypoint of the colour image: u16 x, u16 y, u16 tracked (0 or 1), u16 0
   kTruth = 11,          ///< 3 f32 each: the ground truth path, in its own world
   kTruthPose = 12,      ///< one pose: of that world in the map's
-  kMesh = 13,           ///< see `encode_mesh`
+  kMesh = 13,           ///< see `encode_mesh`; 0: all of it, 1: a coarse one that stands in for it
   kModel = 14,          ///< a GLB file
   kDoubt = 15,          ///< ranges of the path's frames, u32 first and u32 end, that are doubtful or lost
   kKeyframeImage = 16,  ///< a small JPEG file: the colour image of the keyframe `index`
-  kTimeline = 17,       ///< all frames of a saved run, see `encode_timeline`
+  kTimeline = 17,       ///< all frames of a saved run, or of two (0 and 1), see `encode_timeline`
   kLoopTable = 18,      ///< JSON: the loops of a saved run, accepted or not, and the file of its map
   kComparison = 19,     ///< JSON: what differs between two maps, and which cloud pieces show it
   kOtherPath = 20,      ///< 3 f32 each: the path of the second of two compared maps
@@ -123,12 +123,13 @@ struct TimelineFrame {
   float tracked = 0;    ///< keypoints matched to landmarks
   float sigma_m = 0;    ///< of the position
   float ms = 0;         ///< wall time
+  float error_m = 0;    ///< distance from the true position, paths aligned
   std::optional<SE3> T_world_camera;
 };
 
 /// For each frame, in the order of stamps: f64 stamp, s; u32 status (0 tracked, 1 doubtful, 2 lost); u32
-/// keyframe (all bits set: none); f32 tracked, sigma_m, ms; 7 f32 pose as in `encode_poses`, NaN if it has
-/// none.
+/// keyframe (all bits set: none); f32 tracked, sigma_m, ms, error_m; u32 0; 7 f32 pose as in `encode_poses`,
+/// NaN if it has none.
 WireBytes encode_timeline(std::span<const TimelineFrame> frames);
 
 /// As `encode_cloud`, of the vertices, with the normal of each in place of the fourth i16 (its octahedral

@@ -29,9 +29,12 @@ export function placePiece(object, anchor) {
   object.matrixWorldNeedsUpdate = true;
 }
 
-/** Draws that share of the points; they are in random order, so the result is a thinned cloud. */
-export function thinPiece(object, share) {
-  object.geometry.setDrawRange(0, Math.ceil(object.userData.count * share));
+/** Draws the part of an object from one share of it to another; points are in random order, so it is a thinned cloud. */
+export function drawPart({ geometry }, from, to) {
+  const { index, attributes } = geometry;
+  const [size, count] = index ? [3, index.count / 3] : [1, attributes.position.count];
+  const [first, end] = [from, to].map((share) => Math.ceil(count * share));
+  geometry.setDrawRange(size * first, size * (end - first));
 }
 
 function boxOf(points) {

@@ -9,6 +9,7 @@ export const SURFACES = 0;
 export const LINES = 1;
 
 const RADIUS_PX = 1.4;
+const STRENGTH = 25; // of the shading
 
 const vertexShader = `
   varying vec2 at;
@@ -21,7 +22,7 @@ const fragmentShader = `
   #include <packing>
   uniform sampler2D colors, depths;
   uniform vec2 step;
-  uniform float near, far;
+  uniform float near, far, strength;
   varying vec2 at;
 
   float logDistance(vec2 place) {
@@ -29,7 +30,6 @@ const fragmentShader = `
   }
 
   void main() {
-    const float strength = 25.0;
     const float outline = 0.3;  // of surfaces against the background
     float own = logDistance(at);
     float behind = 0.0;
@@ -50,24 +50,31 @@ export class EyeDome {
   constructor() {
     this.target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, depthTexture: new DepthTexture(1, 1) });
     const uniforms = { colors: { value: this.target.texture }, depths: { value: this.target.depthTexture } };
-    Object.assign(uniforms, { step: { value: new Vector2() }, near: { value: 0 }, far: { value: 0 } });
+    Object.assign(uniforms, { step: { value: new Vector2() }, near: { value: 0 }, far: { value: 0 }, strength: { value: 0 } });
     this.quad = new FullScreenQuad(new ShaderMaterial({ uniforms, vertexShader, fragmentShader, blending: NoBlending }));
   }
 
-  /** Draws surfaces with shading, then lines. */
-  render(renderer, scene, camera) {
+  /** Draws surfaces for `show`; `over`: over those of the last time. */
+  drawSurfaces(renderer, scene, camera, over) {
     const size = renderer.getDrawingBufferSize(new Vector2());
     if (size.x !== this.target.width || size.y !== this.target.height) this.target.setSize(size.x, size.y);
-    const { uniforms } = this.quad.material;
-    const radiusPx = RADIUS_PX * renderer.getPixelRatio();
-    uniforms.step.value.set(radiusPx / size.x, radiusPx / size.y);
-    uniforms.near.value = camera.near;
-    uniforms.far.value = camera.far;
-
     renderer.setRenderTarget(this.target);
+    renderer.autoClear = !over;
     camera.layers.set(SURFACES);
     renderer.render(scene, camera);
+    camera.layers.enableAll();
+    renderer.autoClear = true;
     renderer.setRenderTarget(null);
+  }
+
+  /** Shows them, shaded or not, and draws lines over them. */
+  show(renderer, scene, camera, shades) {
+    const { uniforms } = this.quad.material;
+    const radiusPx = RADIUS_PX * renderer.getPixelRatio();
+    uniforms.step.value.set(radiusPx / this.target.width, radiusPx / this.target.height);
+    uniforms.near.value = camera.near;
+    uniforms.far.value = camera.far;
+    uniforms.strength.value = shades ? STRENGTH : 0;
     this.quad.render(renderer);
     renderer.autoClear = false;
     camera.layers.set(LINES);

@@ -9,6 +9,8 @@ export class Images {
     this.section = section;
     this.color = section.querySelector('#colorImage');
     this.depth = section.querySelector('#depthImage');
+    this.keyframeCanvases = [this.color, section.querySelector('#otherImage')];
+    this.keyframes = []; // shown in them
     this.features = new Uint16Array(0);
   }
 
@@ -33,13 +35,16 @@ export class Images {
     this.section.hidden = false;
   }
 
-  /** Shows the image of a keyframe, with a caption. */
-  async showKeyframe(jpeg, caption) {
-    this.section.querySelector('#colorImage + figcaption').textContent = caption;
+  /** Shows the image of a keyframe, with a caption; `side` 1: of the run that is compared. */
+  async showKeyframe(jpeg, caption, side) {
+    const canvas = this.keyframeCanvases[side];
+    const figure = canvas.closest('figure');
+    figure.querySelector('figcaption').textContent = caption;
+    figure.hidden = false;
     this.depth.closest('figure').hidden = true;
-    if (this.keyframe === jpeg) return;
-    this.keyframe = jpeg;
-    await drawJpeg(this.color, jpeg, () => this.keyframe === jpeg);
+    if (this.keyframes[side] === jpeg) return;
+    this.keyframes[side] = jpeg;
+    await drawJpeg(canvas, jpeg, () => this.keyframes[side] === jpeg);
     this.section.hidden = false;
   }
 

@@ -100,9 +100,9 @@ export class Loops {
     const loop = this.loops[i];
     const [earlier, later] = Number(loop.stampA) <= Number(loop.stampB) ? ['a', 'b'] : ['b', 'a'];
     this.showLoop(loop, earlier, later);
-    const frame = loop[later] === null ? undefined : this.timeline.frameOf(loop[later]);
-    if (frame !== undefined) this.timeline.jump(frame);
-    else if (this.timeline.sinceStartS(loop.laterS) !== undefined) this.timeline.seek(loop.laterS);
+    const moment = loop[later] === null ? undefined : this.timeline.locate(loop[later]);
+    const timeS = moment?.timeS ?? this.timeline.sinceStartS(loop.laterS);
+    if (timeS !== undefined) this.timeline.seek(timeS);
   }
 
   deselect() {

@@ -7,8 +7,9 @@
 //   view.js        renderer, detail      models.js   meshes; meshPiece.js: live     cut.js       cutting height
 //   cameraControls.js  viewpoint         floor.js    the grid                       drawer.js    the panel of a phone
 //   framing.js     extent of the map     interior.js  the view from inside a room   scaleBar.js  a length
-//   eyeDome.js     shading               timeline.js  replay of a saved run         theme.js     light or dark
-//   keyframePictures.js  images in 3D    timelineBar.js  its drawing                clipBox.js   clipping to a box
+//   eyeDome.js     shading               timeline.js  replay of saved runs          theme.js     light or dark
+//   keyframePictures.js  images in 3D    timelineBar.js  its drawing; track.js: a run  clipBox.js   clipping to a box
+//   shownCamera.js  a camera in 3D
 //   picking.js     what a click hits     measures.js  distances, angles, heights    picked.js    what a click shows
 //   recording.js   the map in the page   loops.js      loops of a saved run        comparison.js  of two maps
 //   selectList.js  a list to select from  elements.js  parts of the page made here
@@ -44,10 +45,11 @@ function onMessage(message) {
   if (message.kind === 'status') panel.state.show(message.body);
   if (message.kind === 'loops') showLoopBanner(message.body.length / 2);
   world.take(message);
-  if (message.kind === 'timeline') timeline.take(message.body);
+  if (message.kind === 'timeline') timeline.take(message.body, message.index);
   if (message.kind === 'timeline' || message.kind === 'loops') timeline.markLoops();
   if (message.kind === 'loopTable') panel.loops.take(message.body);
   if (message.kind === 'comparison') panel.comparison.take(message.body);
+  if (message.kind === 'comparison') timeline.name(message.body.names);
   if (message.kind === 'timeline') panel.loops.show(); // times are since its start
   images.take(message);
 }

@@ -104,7 +104,7 @@ function meshPiece(buffer) {
 
 /** The frames of a saved run as arrays, and pose(i): a matrix, undefined if frame i has none. */
 function timeline(buffer) {
-  const WORDS = 14; // per frame
+  const WORDS = 16; // per frame
   const [doubles, singles, integers] = [new Float64Array(buffer, HEAD_BYTES), floats(buffer), words(buffer)];
   const count = singles.length / WORDS;
   const every = (Kind, numbers, stride, first) => Kind.from({ length: count }, (_, i) => numbers[stride * i + first]);
@@ -116,7 +116,8 @@ function timeline(buffer) {
     tracked: every(Float32Array, singles, WORDS, 4),
     sigmaM: every(Float32Array, singles, WORDS, 5),
     ms: every(Float32Array, singles, WORDS, 6),
-    pose: (i) => (Number.isNaN(singles[WORDS * i + 7]) ? undefined : matrixOf(poseFrom(singles, WORDS * i + 7))),
+    errorM: every(Float32Array, singles, WORDS, 7),
+    pose: (i) => (Number.isNaN(singles[WORDS * i + 9]) ? undefined : matrixOf(poseFrom(singles, WORDS * i + 9))),
   };
 }
 

@@ -28,20 +28,21 @@ export class Picked {
   }
 
   showKeyframe(keyframe) {
-    const frame = this.timeline.frameOf(keyframe);
-    const frames = this.timeline.frames;
-    const sigmaM = frame === undefined ? 0 : frames.sigmaM[frame];
+    const moment = this.timeline.locate(keyframe);
+    const figure = (name) => moment?.frames[name][moment.frame];
+    const [sigmaM, errorM] = ['sigmaM', 'errorM'].map(figure);
     const loops = this.loopsOf(keyframe);
     const jpeg = this.world.pictures.of(keyframe);
     this.canvas.hidden = jpeg === undefined;
     if (jpeg) drawJpeg(this.canvas, jpeg);
     this.list(`keyframe ${keyframe}`, [
-      ['stamp', frame === undefined ? undefined : `${frames.stampS[frame].toFixed(3)} s`],
+      ['stamp', moment && `${figure('stampS').toFixed(3)} s`],
       ['\u03c3 of the position', sigmaM > 0 ? millimetres(sigmaM) : undefined],
-      ['features tracked', frames?.tracked[frame] || undefined],
+      ['error', errorM > 0 ? millimetres(errorM) : undefined],
+      ['features tracked', figure('tracked') || undefined],
       ['loops with', loops.length > 0 ? loops.join(', ') : undefined],
     ]);
-    if (frame !== undefined) this.timeline.jump(frame);
+    if (moment) this.timeline.seek(moment.timeS);
   }
 
   loopsOf(keyframe) {

@@ -1,19 +1,26 @@
-// The bar of the timeline: the state of every frame, keyframes, loops, a plot, and the cursor over all of them.
+// The bar of the timeline: for each run the state of every frame, keyframes and loops; a plot; and the cursor over all of
+// them.
 
 import { millimetres } from '../shared/format.js';
 
-const BAR_PX = 10; // height of the coloured bar
+const BAR_PX = 10; // height of a coloured bar
 const MARKS_PX = 10; // height of the keyframes' ticks and the loops' marks below it
 const STATUS_COLORS = ['--good', '--loop', '--bad'];
-const LABELS = { tracked: (figure) => `${figure} tracked`, sigmaM: (figure) => `\u03c3 ${millimetres(figure)}`, ms: (figure) => `${figure.toFixed(0)} ms` };
+const PLOT_COLORS = ['--before', '--after']; // of two runs
+const LABELS = {
+  tracked: (figure) => `${figure} tracked`,
+  errorM: (figure) => `error ${millimetres(figure)}`,
+  sigmaM: (figure) => `\u03c3 ${millimetres(figure)}`,
+  ms: (figure) => `${figure.toFixed(0)} ms`,
+};
 
 export class TimelineBar {
-  /** Draws into `canvas`, a slider; calls onSeek(stampS) when the user points at a moment. */
+  /** Draws into `canvas`, a slider; calls onSeek(timeS) when the user points at a moment. */
   constructor(canvas, onSeek) {
     Object.assign(this, { canvas, onSeek });
     this.still = document.createElement('canvas'); // all but the cursor
-    this.loops = [];
-    const seek = ({ offsetX }) => this.frames && onSeek(this.stampAt(offsetX));
+    this.tracks = [];
+    const seek = ({ offsetX }) => this.tracks.length > 0 && onSeek(this.timeAt(offsetX));
     canvas.onpointerdown = (event) => {
       canvas.setPointerCapture(event.pointerId);
       seek(event);
@@ -23,11 +30,13 @@ export class TimelineBar {
     new MutationObserver(() => this.redraw()).observe(document.documentElement, { attributeFilter: ['data-theme'] });
   }
 
-  show(frames, keyframes, figure) {
-    Object.assign(this, { frames, keyframes, figure });
-    this.frame = undefined;
-    this.loops = [];
-    this.canvas.setAttribute('aria-valuemax', frames.count - 1);
+  /** `moments`: how many there are, of all tracks. */
+  show(tracks, figure, moments) {
+    Object.assign(this, { tracks, figure });
+    this.timeS = undefined; // of the cursor
+    this.loops = tracks.map(() => []);
+    this.endS = Math.max(1e-9, ...tracks.map(({ endS }) => endS));
+    this.canvas.setAttribute('aria-valuemax', moments - 1);
     this.redraw();
   }
 
@@ -37,50 +46,45 @@ export class TimelineBar {
     this.redraw();
   }
 
-  /** `frames`: those of the keyframes that loops connect. */
-  markLoops(frames) {
-    this.loops = frames;
+  /** `loops`: for each track the frames of the keyframes that loops connect. */
+  markLoops(loops) {
+    this.loops = loops;
     this.redraw();
   }
 
-  /** Moves the cursor. */
-  point(frame) {
-    this.frame = frame;
+  /** Moves the cursor to a moment, of that number. */
+  point(timeS, number) {
+    this.timeS = timeS;
+    this.canvas.setAttribute('aria-valuenow', number);
     this.draw();
   }
 
   describe(text) {
-    this.canvas.setAttribute('aria-valuenow', this.frame);
     this.canvas.setAttribute('aria-valuetext', text);
   }
 
-  get startS() {
-    return this.frames.stampS[0];
+  timeAt(x) {
+    return (Math.max(0, x) / Math.max(1, this.canvas.clientWidth)) * this.endS;
   }
 
-  get durationS() {
-    return Math.max(1e-9, this.frames.stampS.at(-1) - this.startS);
-  }
-
-  stampAt(x) {
-    return this.startS + (Math.max(0, x) / Math.max(1, this.canvas.clientWidth)) * this.durationS;
-  }
-
-  /** The column of a frame in the drawing. */
-  column(frame) {
-    return ((this.frames.stampS[frame] - this.startS) / this.durationS) * (this.still.width - 1);
+  /** The column of a moment in the drawing. */
+  column(timeS) {
+    return (timeS / this.endS) * (this.still.width - 1);
   }
 
   redraw() {
-    if (!this.frames || this.canvas.clientWidth === 0) return;
+    if (this.tracks.length === 0 || this.canvas.clientWidth === 0) return;
     for (const canvas of [this.canvas, this.still]) {
       canvas.width = this.canvas.clientWidth * devicePixelRatio;
       canvas.height = this.canvas.clientHeight * devicePixelRatio;
     }
     const paint = this.still.getContext('2d');
-    this.drawStatus(paint);
-    this.drawMarks(paint);
-    this.drawPlot(paint);
+    this.tracks.forEach((track, i) => {
+      const top = i * (BAR_PX + MARKS_PX) * devicePixelRatio;
+      this.drawStatus(paint, track, top);
+      this.drawMarks(paint, track, this.loops[i], top + BAR_PX * devicePixelRatio);
+    });
+    this.drawPlots(paint);
     this.draw();
   }
 
@@ -89,25 +93,25 @@ export class TimelineBar {
   }
 
   /** The worst state wins where several frames share a column. */
-  drawStatus(paint) {
+  drawStatus(paint, { frames, timeS }, top) {
     const height = BAR_PX * devicePixelRatio;
     STATUS_COLORS.map((name) => this.color(name)).forEach((color, status) => {
       paint.fillStyle = color;
-      for (let i = 0; i < this.frames.count; ++i) {
-        if (this.frames.status[i] !== status) continue;
-        const [from, to] = [i, Math.min(i + 1, this.frames.count - 1)].map((frame) => Math.floor(this.column(frame)));
-        paint.fillRect(from, 0, Math.max(1, to - from), height);
+      for (let i = 0; i < frames.count; ++i) {
+        if (frames.status[i] !== status) continue;
+        const [from, to] = [i, Math.min(i + 1, frames.count - 1)].map((frame) => Math.floor(this.column(timeS[frame])));
+        paint.fillRect(from, top, Math.max(1, to - from), height);
       }
     });
   }
 
-  drawMarks(paint) {
-    const [top, size] = [BAR_PX * devicePixelRatio, MARKS_PX * devicePixelRatio];
+  drawMarks(paint, { keyframes, timeS }, loops, top) {
+    const size = MARKS_PX * devicePixelRatio;
     paint.fillStyle = this.color('--soft');
-    for (const frame of this.keyframes) paint.fillRect(Math.floor(this.column(frame)), top, devicePixelRatio, 0.5 * size);
+    for (const frame of keyframes) paint.fillRect(Math.floor(this.column(timeS[frame])), top, devicePixelRatio, 0.5 * size);
     paint.fillStyle = this.color('--loop');
-    for (const frame of this.loops) {
-      const x = this.column(frame);
+    for (const frame of loops) {
+      const x = this.column(timeS[frame]);
       paint.beginPath();
       paint.moveTo(x, top);
       paint.lineTo(x - 0.5 * size, top + size);
@@ -116,20 +120,27 @@ export class TimelineBar {
     }
   }
 
-  /** The range of the figure in every column. */
-  drawPlot(paint) {
-    const figures = this.frames[this.figure];
-    const most = figures?.reduce((max, figure) => Math.max(max, figure), 0);
+  /** The figure of every track, in one scale. */
+  drawPlots(paint) {
+    const most = this.tracks.reduce((max, { frames }) => frames[this.figure].reduce((own, figure) => Math.max(own, figure), max), 0);
     if (!most) return;
-    const top = (BAR_PX + MARKS_PX + 2) * devicePixelRatio;
+    const top = (this.tracks.length * (BAR_PX + MARKS_PX) + 2) * devicePixelRatio;
     const y = (figure) => this.still.height - 1 - (figure / most) * (this.still.height - 1 - top);
-    paint.strokeStyle = this.color('--ink');
+    const colors = this.tracks.length > 1 ? PLOT_COLORS : ['--ink'];
+    this.tracks.forEach((track, i) => this.drawPlot(paint, track, y, this.color(colors[i])));
+    this.drawLabel(paint, `up to ${LABELS[this.figure](most)}`, top);
+  }
+
+  /** The range of the figure in every column. */
+  drawPlot(paint, { frames, timeS }, y, color) {
+    const figures = frames[this.figure];
+    paint.strokeStyle = color;
     paint.lineWidth = devicePixelRatio;
     paint.beginPath();
     let column = -1;
     let [low, high] = [0, 0];
-    for (let i = 0; i < this.frames.count; ++i) {
-      const here = Math.floor(this.column(i));
+    for (let i = 0; i < frames.count; ++i) {
+      const here = Math.floor(this.column(timeS[i]));
       if (here !== column) {
         if (column >= 0) [low, high].forEach((figure) => paint.lineTo(column, y(figure)));
         [column, low, high] = [here, Infinity, -Infinity];
@@ -138,11 +149,14 @@ export class TimelineBar {
     }
     [low, high].forEach((figure) => paint.lineTo(column, y(figure)));
     paint.stroke();
+  }
+
+  drawLabel(paint, text, top) {
     paint.fillStyle = this.color('--soft');
     paint.font = `${10 * devicePixelRatio}px system-ui, sans-serif`;
     paint.strokeStyle = this.color('--card'); // keeps the label legible on the line
     paint.lineWidth = 4 * devicePixelRatio;
-    const label = [`up to ${LABELS[this.figure](most)}`, 3 * devicePixelRatio, top + 9 * devicePixelRatio];
+    const label = [text, 3 * devicePixelRatio, top + 9 * devicePixelRatio];
     paint.strokeText(...label);
     paint.fillText(...label);
   }
@@ -151,8 +165,8 @@ export class TimelineBar {
     const paint = this.canvas.getContext('2d');
     paint.clearRect(0, 0, this.canvas.width, this.canvas.height);
     paint.drawImage(this.still, 0, 0);
-    if (this.frame === undefined) return;
+    if (this.timeS === undefined) return;
     paint.fillStyle = this.color('--camera');
-    paint.fillRect(Math.round(this.column(this.frame)) - devicePixelRatio, 0, 2 * devicePixelRatio, this.canvas.height);
+    paint.fillRect(Math.round(this.column(this.timeS)) - devicePixelRatio, 0, 2 * devicePixelRatio, this.canvas.height);
   }
 }

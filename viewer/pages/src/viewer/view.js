@@ -1,4 +1,5 @@
-// The view: the renderer, the extent of the map, and how many points are drawn to keep it smooth.
+// The view: the renderer, the extent of the map, and how much of it is drawn to keep it smooth. What rests is drawn
+// slice by slice into one picture, so that the page answers meanwhile, however large the map is.
 
 import { AmbientLight, Box3, DirectionalLight, Scene, Vector3, WebGLRenderer } from 'three';
 
@@ -9,10 +10,12 @@ import { ceilingOf, sampleMap } from './framing.js';
 import { interiorView } from './interior.js';
 
 const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
-const REST_MS = 250; // idle time after which all points are drawn
+const REST_MS = 250; // idle time after which everything is drawn
+const SLICE_MS = 150; // of the frames in which this happens
 const MEASURE_MS = 200; // interval of measuring the map's extent
-const FEWEST = 0.05; // minimum share of the points
+const FEWEST = 50_000; // points that are drawn in any case
 const LARGEST = 2.5; // maximum factor on the point size when few points are drawn
+const COVERING = 1 / LARGEST ** 2; // share of the points that covers as much as fewer, larger ones
 const ROOM_M = 0.5; // radius of a map below which points are drawn smaller
 
 export class View {
@@ -39,7 +42,8 @@ export class View {
     this.eyeDome = new EyeDome();
     this.shades = true;
     this.shadesMoving = true; // false after slow frames, until the view rests; nor is a mesh drawn beside the cloud
-    this.shaded = false; // the last frame
+    this.shaded = false; // the picture
+    this.finished = 0; // the share of everything that has been drawn
     this.onMeasured = () => {};
     this.onDrawn = () => {};
     this.share = 1;
@@ -71,14 +75,12 @@ export class View {
     }
     this.cameraControls.advance(Math.min(1, passedMs / 1000));
 
-    const resting = !this.dirty && nowMs - this.changedMs > REST_MS;
-    const unfinished = this.share < 1 || (this.shades && !this.shaded);
     if (this.dirty) {
       this.changedMs = nowMs;
       this.adapt(passedMs);
       this.draw();
-    } else if (resting && unfinished) {
-      this.drawAll();
+    } else if (this.unfinished && nowMs - this.changedMs > REST_MS) {
+      this.drawNextSlice(nowMs);
     }
     requestAnimationFrame((now) => this.frame(now));
   }
@@ -88,30 +90,75 @@ export class View {
     const smoothing = 0.9;
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
     const wanted = this.share * Math.min(1.15, Math.max(0.25, SMOOTH_MS / Math.max(1, passedMs)));
-    this.share = Math.min(1, Math.max(FEWEST, wanted));
+    this.share = Math.min(1, Math.max(FEWEST / Math.max(1, this.world.pointCount), wanted));
     this.shadesMoving &&= this.share === 1;
   }
 
-  /** Draws every point, shaded. */
-  drawAll() {
-    this.share = 1;
-    this.shadesMoving = true;
-    this.draw();
+  /** Whether the picture lacks part of the map, or its shading. */
+  get unfinished() {
+    return this.finished < 1;
   }
 
-  draw() {
-    const { uniforms } = this.world;
+  /** Draws more of the map once the graphics card has drawn the slice before; one takes some SLICE_MS. */
+  drawNextSlice(nowMs) {
+    const context = this.renderer.getContext();
+    if (this.finished === 0) this.slice = this.share;
+    else if (context.getSyncParameter(this.fence, context.SYNC_STATUS) !== context.SIGNALED) return;
+    else this.slice *= Math.min(2, Math.max(0.25, SLICE_MS / Math.max(1, nowMs - this.slicedMs)));
+    context.deleteSync(this.fence ?? null);
+    this.slicedMs = nowMs;
+    this.drawSlice(this.finished, Math.min(1, this.finished + this.slice));
+    this.fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    context.flush();
+  }
+
+  /** Draws everything, shaded. */
+  drawAll() {
+    this.drawSlice(0, 1);
+  }
+
+  /** Draws a part of everything over what has been drawn of it, and shows the result once it covers surfaces. */
+  drawSlice(from, to) {
+    const { eyeDome, renderer, scene, world } = this;
     const { camera } = this.cameraControls;
-    uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
-    uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(this.share));
-    uniforms.lit.value = this.shades ? 1 : 0;
-    this.world.clipTo(this.drawnBox());
+    this.prepare(1);
+    world.slice(from, to);
+    eyeDome.drawSurfaces(renderer, scene, camera, from > 0);
+    world.slice(0, 1);
+    if (to >= COVERING) eyeDome.show(renderer, scene, camera, this.shades);
+    this.finished = to;
+    if (to < 1) return;
+    this.share = 1;
+    this.shaded = this.shades;
+    this.shadesMoving = true;
+    this.onDrawn();
+  }
+
+  /** Draws as much as can be drawn smoothly. */
+  draw() {
+    this.prepare(this.share);
     this.world.thin(this.share, this.shadesMoving);
+    const { eyeDome, renderer, scene } = this;
+    const { camera } = this.cameraControls;
     this.shaded = this.shades && this.shadesMoving;
-    if (this.shaded) this.eyeDome.render(this.renderer, this.scene, camera);
-    else this.renderer.render(this.scene, camera);
+    if (this.shaded) {
+      eyeDome.drawSurfaces(renderer, scene, camera, false);
+      eyeDome.show(renderer, scene, camera, true);
+    } else {
+      renderer.render(scene, camera);
+    }
+    this.finished = this.share === 1 && this.shadesMoving ? 1 : 0;
     this.dirty = false;
     this.onDrawn();
+  }
+
+  /** Sets what shaders need to know; points are larger where only a share of them is drawn. */
+  prepare(share) {
+    const { uniforms } = this.world;
+    uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
+    uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(share));
+    uniforms.lit.value = this.shades ? 1 : 0;
+    this.world.clipTo(this.drawnBox());
   }
 
   /** What is drawn: inside the box, below the cut, and without the ceiling while that is seen from above. */

@@ -3,22 +3,23 @@
 import { Box3, Group, Layers, Matrix4, Plane, Quaternion, Vector3 } from 'three';
 
 import { FAR_M, sharedUniforms } from '../shared/cloudMaterial.js';
-import { cloudPiece, placePiece, thinPiece } from '../shared/cloudPiece.js';
+import { cloudPiece, drawPart, placePiece } from '../shared/cloudPiece.js';
 import { roundLength } from './framing.js';
-import { KeyframePictures, pictureMesh, placePicture, showIn } from './keyframePictures.js';
+import { KeyframePictures } from './keyframePictures.js';
 import { Lines } from './lines.js';
 import { NO_KEYFRAME } from './messages.js';
 import { meshPiece } from './meshPiece.js';
 import { meshOf, readModel } from './models.js';
 import { matrixOf, PART_LENGTH, poseFrom, Poses } from './poses.js';
+import { CAMERA_SIZE_M, ShownCamera } from './shownCamera.js';
 
 const COLORS = { path: 0x4aa8ff, doubt: 0xe05252, keyframes: 0x7fd0a0, camera: 0xff3d8b, covisibility: 0x6f7f9f, truth: 0xb9bcc4, otherPath: 0xff9d2e, errors: 0xe0459b };
 const LOOP_COLORS = { accepted: 0xff8a3d, provisional: 0xb48cff, rejected: 0xe05252, withdrawn: 0x8f96a3 };
 const SELECTED = 0xffc400;
 const DASH_M = 0.04;
 const KEYFRAME_SIZE_M = 0.06;
-const CAMERA_SIZE_M = 0.16;
 const ERROR_SHARE = 0.1; // of the path's extent that the longest error arrow has at most
+const COARSE = 1; // index of the message of a mesh that stands in for the other
 const OWN_WORLD = new Matrix4();
 const SHOWN = new Layers().mask; // of an object that the camera sees
 
@@ -41,13 +42,12 @@ export class World {
       path: new Lines({ color: COLORS.path }),
       doubt: new Lines({ color: COLORS.doubt, segments: true }),
       keyframes: new Lines({ color: COLORS.keyframes, segments: true, opacity: 0.7 }),
-      camera: new Lines({ color: COLORS.camera, segments: true }),
       covisibility: new Lines({ color: COLORS.covisibility, segments: true, opacity: 0.5 }),
       truth: new Lines({ color: COLORS.truth }),
       otherPath: new Lines({ color: COLORS.otherPath }),
       errors: new Lines({ color: COLORS.errors, segments: true }),
     };
-    const layerOf = { camera: 'path', doubt: 'path' };
+    const layerOf = { doubt: 'path' };
     for (const [name, lines] of Object.entries(this.lines)) this.layers[layerOf[name] ?? name].add(lines.object);
     this.loopLines = {};
     for (const [status, color] of Object.entries(LOOP_COLORS)) {
@@ -58,8 +58,8 @@ export class World {
     this.layers.loops.add(this.selectedLines.object);
     this.boxLines = selectionLines();
     this.layers.boxes.add(this.boxLines.object);
-    this.cameraPicture = pictureMesh();
-    this.layers.path.add(this.cameraPicture);
+    // The second is that of the run that is compared with the first.
+    this.cameras = [new ShownCamera(this.layers.path, COLORS.camera, addFrustum), new ShownCamera(this.layers.otherPath, COLORS.otherPath, addFrustum)];
     this.lines.doubt.object.renderOrder = 1; // over the path, at the same places
     this.onProblem = () => {}; // (text)
     this.clear();
@@ -71,6 +71,7 @@ export class World {
     this.pieces = new Map(); // index -> { object, anchor }, of the cloud
     this.meshPieces = new Map(); // the same of a mesh that grows
     this.models = [];
+    this.coarse = undefined;
     this.parts = { path: [], covisibility: [] };
     this.loops = new Uint32Array(0);
     this.showLoops({});
@@ -81,8 +82,7 @@ export class World {
     this.errors = new Float32Array(0);
     this.differences = {}; // names of the layers of a comparison -> { first, end, shown }
     this.boxes = [];
-    this.cameraPose = undefined;
-    this.hideCameraPicture();
+    this.cameras.forEach((camera) => camera.clear());
     this.frustum = [0.6, 0.45];
     for (const layer of [this.layers.cloud, this.layers.mesh]) {
       layer.traverse(dispose);
@@ -97,7 +97,7 @@ export class World {
     const take = {
       hello: () => (this.frustum = body.frustum),
       status: () => this.setUp(new Vector3(...body.up)),
-      camera: () => (this.cameraPose = matrixOf(poseFrom(body))),
+      camera: () => this.cameras[0].move(matrixOf(poseFrom(body))),
       keyframes: () => this.poses.take(index, body),
       path: () => (this.parts.path[index] = body),
       covisibility: () => (this.parts.covisibility[index] = body),
@@ -105,7 +105,7 @@ export class World {
       doubt: () => (this.doubt = body),
       cloud: () => this.takePiece(this.pieces, this.layers.cloud, index, body, cloudPiece),
       meshPiece: () => this.takePiece(this.meshPieces, this.layers.mesh, index, body, meshPiece),
-      mesh: () => this.addModel(meshOf(body, this.clipPlanes)),
+      mesh: () => (index === COARSE ? this.addCoarse(body) : this.addModel(meshOf(body, this.clipPlanes))),
       model: () => this.takeModel(body),
       truth: () => (this.truth = body),
       otherPath: () => (this.otherPath = body),
@@ -128,6 +128,7 @@ export class World {
   /** `pieces`: the range [first, end) of the cloud's pieces that each layer of a comparison has. */
   showDifferences(pieces) {
     this.differences = Object.fromEntries(Object.entries(pieces).map(([layer, [first, end]]) => [layer, { first, end, shown: true }]));
+    this.cameras[0].paint(COLORS.path); // as its path
     this.moved = true;
   }
 
@@ -165,6 +166,12 @@ export class World {
     }
   }
 
+  /** Takes what stands in for a mesh until that comes, and while it takes too long to draw. */
+  addCoarse(body) {
+    this.coarse = meshOf(body, this.clipPlanes);
+    this.layers.mesh.add(this.coarse);
+  }
+
   addModel(model) {
     this.models.push(model);
     this.layers.mesh.add(model);
@@ -175,7 +182,7 @@ export class World {
   has(layer) {
     return {
       cloud: this.pieces.size > 0,
-      mesh: this.models.length + this.meshPieces.size > 0,
+      mesh: this.models.length + this.meshPieces.size > 0 || this.coarse !== undefined,
       path: this.parts.path.length > 0,
       keyframes: this.poses.count > 0,
       images: this.pictures.count > 0,
@@ -199,6 +206,7 @@ export class World {
   meshes() {
     const found = [];
     const take = (object) => object.geometry && found.push([object, object.geometry.attributes.position]);
+    if (this.models.length === 0 && this.coarse) take(this.coarse);
     this.models.forEach((model) => model.traverse(take));
     return found;
   }
@@ -246,33 +254,22 @@ export class World {
     this.lines.keyframes.fill((add) => {
       for (const pose of this.poses.matrices) addFrustum(add, pose, this.frustum, KEYFRAME_SIZE_M);
     });
-    this.drawCamera();
+    this.cameras.forEach((camera) => camera.draw(this.frustum));
   }
 
-  drawCamera() {
-    this.lines.camera.fill((add) => {
-      if (this.cameraPose) addFrustum(add, this.cameraPose, this.frustum, CAMERA_SIZE_M);
-    });
-    placePicture(this.cameraPicture, this.cameraPose, this.frustum, CAMERA_SIZE_M);
+  get cameraPose() {
+    return this.cameras[0].pose;
   }
 
-  /** Moves the camera alone; undefined: there is none. */
-  moveCamera(pose) {
-    this.cameraPose = pose;
-    if (!pose) this.hideCameraPicture();
-    this.drawCamera();
+  /** Moves a camera alone; undefined: there is none. */
+  moveCamera(pose, camera = 0) {
+    this.cameras[camera].move(pose);
+    this.cameras[camera].draw(this.frustum);
   }
 
-  hideCameraPicture() {
-    this.cameraPicture.visible = false;
-    this.cameraPictureOf = undefined;
-  }
-
-  /** Shows the image of a keyframe in the camera's frustum. */
-  async showCameraPicture(keyframe) {
-    if (this.cameraPictureOf === keyframe) return;
-    this.cameraPictureOf = keyframe;
-    await showIn(this.cameraPicture, this.pictures.of(keyframe), () => this.cameraPictureOf === keyframe);
+  /** Shows the image of a keyframe in a camera's frustum. */
+  showCameraPicture(keyframe, camera = 0) {
+    return this.cameras[camera].show(keyframe, this.pictures.of(keyframe));
   }
 
   drawPath() {
@@ -352,11 +349,27 @@ export class World {
     return [...this.pieces.values()].reduce((sum, { object }) => sum + object.userData.count, 0);
   }
 
-  /** Draws that share of all points, and beside them the mesh that grows only if `all`. */
+  /** Draws that share of all points. Unless `all`: no mesh that grows beside them, and of others the coarse one if any. */
   thin(share, all) {
-    for (const { object } of this.pieces.values()) thinPiece(object, share);
-    const withMesh = all || !this.layers.cloud.visible;
-    for (const { object } of this.meshPieces.values()) object.layers.mask = withMesh ? SHOWN : 0;
+    for (const { object } of this.pieces.values()) drawPart(object, 0, share);
+    this.showMeshes(all || !this.layers.cloud.visible, all);
+  }
+
+  /** Draws the part from one share to another of all points and triangles, and for these no stand-in. */
+  slice(from, to) {
+    for (const { object } of this.pieces.values()) drawPart(object, from, to);
+    for (const { object } of this.meshPieces.values()) drawPart(object, from, to);
+    for (const [object] of this.meshes()) drawPart(object, from, to);
+    this.showMeshes(true, true);
+  }
+
+  /** Shows or hides the mesh that grows, and shows others as they are, or coarse. */
+  showMeshes(growing, fine) {
+    for (const { object } of this.meshPieces.values()) object.layers.mask = growing ? SHOWN : 0;
+    if (!this.coarse) return;
+    const isCoarse = !fine || this.models.length === 0;
+    this.coarse.layers.mask = isCoarse ? SHOWN : 0;
+    this.models.forEach((model) => (model.layers.mask = isCoarse ? 0 : SHOWN));
   }
 }
 
