@@ -29,8 +29,7 @@ struct SavedLoop {
 /// versions list accepted ones only, without a status.
 std::vector<SavedLoop> loops_of(const nlohmann::json& figures, const Trajectory& keyframes);
 
-/// Returns the loops of a map whose keyframes are all shown; a map that was read from a file has accepted
-/// ones only.
+/// Returns the loops of a map whose keyframes are all shown.
 std::vector<SavedLoop> loops_of(const Map& map);
 
 /// Returns the pairs of shown keyframes that accepted loops join.

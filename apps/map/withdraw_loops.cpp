@@ -56,7 +56,7 @@ void withdraw_loops(SavedMap& saved, std::span<const LoopEnds> loops, const Sens
                     const PlaceOptions& options) {
   Map map;
   map.append(std::move(saved.map));
-  const std::vector<SE3> before = map.withdraw_loops(loops, LoopReason::kDoesNotFit);
+  const std::vector<SE3> before = map.withdraw_loops(loops, LoopReason::kByUser);
   if (!before.empty()) saved.frames = with_references_of_own_visit(std::move(saved.frames), map, before);
   solve_again(map, sensor, options);
   saved.map = map.data();

@@ -4,16 +4,22 @@
 
 #include <optional>
 
-#include "kinloop/features/features.hpp"
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/loop/drift.hpp"
+#include "kinloop/loop/view_checks.hpp"
 #include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
 
+/// Two views that agree on a relative pose.
+struct AlignedViews {
+  SE3 T_reference_camera;
+  RelativeScale scale;  ///< of the matched keypoints at rest; of a double, which parts are elsewhere, not 1
+};
+
 /// Returns the relative pose on which the keypoints of two views agree, if drift explains how far it is from
 /// the predicted one; nullopt if too few agree.
-std::optional<SE3> align_views(const Features& reference, const Features& features,
-                               const PredictedView& predicted, const Sensor& sensor);
+std::optional<AlignedViews> align_views(const View& reference, const View& view,
+                                        const PredictedView& predicted, const Sensor& sensor);
 
 }  // namespace kinloop

@@ -26,14 +26,15 @@ const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
   return nearest;
 }
 
-std::optional<double> aligned_p_value(const Keyframe& a, const Keyframe& b, const SE3& T_a_b, double away_m,
-                                      const Sensor& sensor) {
+std::optional<ViewComparison> compare_aligned(const Keyframe& a, const Keyframe& b, const SE3& T_a_b,
+                                              double away_m, const Sensor& sensor) {
   // 2 to 3 % of the path, see drift.cpp.
   const DriftBound drift{0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
-  const auto aligned = align_views(*a.features, *b.features, {T_a_b, drift}, sensor);
+  const View view_a{*a.features, a.surfaces.get()}, view_b{*b.features, b.surfaces.get()};
+  const auto aligned = align_views(view_a, view_b, {T_a_b, drift}, sensor);
   if (!aligned) return std::nullopt;
-  return appearance_p_value({*a.features, a.surfaces.get()}, {*b.features, b.surfaces.get()}, *aligned,
-                            sensor.camera);
+  return ViewComparison{appearance_p_value(view_a, view_b, aligned->T_reference_camera, sensor.camera),
+                        aligned->scale};
 }
 
 SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop) {
@@ -54,8 +55,8 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
     const SE3 T_other_camera = other->T_world_camera.inverse() * T_world_camera;
     comparison.depths += compare_depths(*other->features, *keyframe.features, T_other_camera, sensor,
                                         kSigma_m + kDriftPerMetre * away_m);
-    const auto p_value = aligned_p_value(*other, keyframe, T_other_camera, away_m, sensor);
-    if (p_value) comparison.looks.add(*p_value);
+    const auto views = compare_aligned(*other, keyframe, T_other_camera, away_m, sensor);
+    if (views) comparison.looks.add(*views);
   }
   return comparison;
 }

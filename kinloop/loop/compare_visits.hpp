@@ -24,10 +24,10 @@ SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop);
 const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
                              const std::function<bool(const Keyframe&)>& is_wanted);
 
-/// Returns the p-value of the difference between two keyframes that should show the same, `away_m` from a
-/// loop. They are aligned first, since drift makes them look different; nullopt if that fails.
-std::optional<double> aligned_p_value(const Keyframe& a, const Keyframe& b, const SE3& T_a_b, double away_m,
-                                      const Sensor& sensor);
+/// Compares two keyframes that should show the same, `away_m` from a loop. They are aligned first, since
+/// drift makes them look different; nullopt if that fails.
+std::optional<ViewComparison> compare_aligned(const Keyframe& a, const Keyframe& b, const SE3& T_a_b,
+                                              double away_m, const Sensor& sensor);
 
 /// Compares each keyframe of the component of `loop.b` with the one of the component of `loop.a` whose view
 /// is nearest to its own, if the loop is true. Allows for drift with the distance from the loop.

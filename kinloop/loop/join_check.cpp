@@ -58,7 +58,7 @@ std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& lat
 
 JoinedLook compare(const JoinedViews& views, const Sensor& sensor) {
   const SE3 T_earlier_later = views.earlier.T_world_camera.inverse() * views.later.T_world_camera;
-  return {views.visits, aligned_p_value(views.earlier, views.later, T_earlier_later, views.away_m, sensor)};
+  return {views.visits, compare_aligned(views.earlier, views.later, T_earlier_later, views.away_m, sensor)};
 }
 
 bool JoinCheck::has_views(const Map& map) const {
@@ -84,8 +84,8 @@ std::vector<JoinedViews> JoinCheck::take_views(const Map& map) {
 }
 
 void JoinCheck::add(const std::vector<JoinedLook>& looks) {
-  for (const auto& [visits, p_value] : looks) {
-    if (p_value) joins_[visits].looks.add(*p_value);
+  for (const auto& [visits, views] : looks) {
+    if (views) joins_[visits].looks.add(*views);
   }
 }
 

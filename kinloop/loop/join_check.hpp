@@ -21,10 +21,10 @@ struct JoinedViews {
   double away_m = 0;  ///< from the nearest loop between the visits
 };
 
-/// How different they look, see `aligned_p_value`.
+/// What they say of each other, see `compare_aligned`.
 struct JoinedLook {
   VisitPair visits;
-  std::optional<double> p_value;
+  std::optional<ViewComparison> views;
 };
 
 JoinedLook compare(const JoinedViews& views, const Sensor& sensor);

@@ -33,7 +33,7 @@ class LocationCheck {
   void add(const LocationEvidence& evidence, bool confident);
 
   /// Adds the look of a frame after the place was confirmed; a few a second are enough.
-  void add_look(double appearance_p_value) { looks_.add(appearance_p_value); }
+  void add_look(double appearance_p_value) { looks_.add({appearance_p_value}); }
 
   /// Returns whether the camera is elsewhere: the place has another size, the latest frames lie in free
   /// space of the map, or in most of them a part of the view looks different. Also, after it was confirmed,

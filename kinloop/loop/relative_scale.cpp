@@ -107,9 +107,14 @@ RelativeScale combine(std::span<const RelativeScale> scales) {
   return {sum / weights, 1 / std::sqrt(weights)};
 }
 
+bool differs_from_one(const RelativeScale& scale, double max_difference) {
+  constexpr double kSigmas = 3;
+  return std::abs(scale.factor - 1) > std::max(max_difference, kSigmas * scale.sigma);
+}
+
 bool refutes_same_place(const RelativeScale& scale) {
-  constexpr double kMaxDifference = 0.02, kSigmas = 3;
-  return std::abs(scale.factor - 1) > std::max(kMaxDifference, kSigmas * scale.sigma);
+  constexpr double kMaxDifference = 0.02;
+  return differs_from_one(scale, kMaxDifference);
 }
 
 }  // namespace kinloop

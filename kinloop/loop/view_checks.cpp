@@ -7,6 +7,7 @@
 
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/matcher.hpp"
+#include "kinloop/loop/relative_scale.hpp"
 #include "kinloop/loop/reproject.hpp"
 
 namespace kinloop {
@@ -126,11 +127,6 @@ class ViewMatcher {
   std::vector<uint32_t> near_;
 };
 
-/// Whether a point is on a surface at rest; true if the surfaces are not known.
-bool is_at_rest(const Eigen::Vector3d& p_view, const View& view) {
-  return view.surfaces == nullptr || state_in_view(p_view, *view.surfaces) == PointState::kConsistent;
-}
-
 /// Returns the keypoints of `points` expected in `view`, and whether each was found.
 std::vector<ExpectedKeypoint> find_expected_keypoints(const View& view, const View& points,
                                                       const SE3& T_view_points, const PinholeCamera& camera) {
@@ -192,6 +188,10 @@ double one_way_p_value(const View& view, const View& points, const SE3& T_view_p
 
 }  // namespace
 
+bool is_at_rest(const Eigen::Vector3d& p_view, const View& view) {
+  return view.surfaces == nullptr || state_in_view(p_view, *view.surfaces) == PointState::kConsistent;
+}
+
 DepthConsistency& DepthConsistency::operator+=(const DepthConsistency& other) {
   consistent += other.consistent;
   free_space_violations += other.free_space_violations;
@@ -215,10 +215,13 @@ double appearance_p_value(const View& a, const View& b, const SE3& T_a_b, const 
   return std::min(one_way_p_value(a, b, T_a_b, camera), one_way_p_value(b, a, T_a_b.inverse(), camera));
 }
 
-void Looks::add(double appearance_p_value) {
+void Looks::add(const ViewComparison& comparison) {
   constexpr double kMinPValue = 1e-3;
+  // Of aligned views of one room, 1 of 325 differ by more, and 1 of 18 in redkitchen from afar.
+  constexpr double kMaxScaleDifference = 0.015;
   ++views;
-  if (appearance_p_value < kMinPValue) ++different_views;
+  if (comparison.appearance_p_value < kMinPValue || differs_from_one(comparison.scale, kMaxScaleDifference))
+    ++different_views;
 }
 
 bool Looks::refute_same_place() const {

@@ -7,6 +7,7 @@
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/geometry/se3.hpp"
+#include "kinloop/map/loop_closure.hpp"
 #include "kinloop/sensor/sensor.hpp"
 #include "kinloop/sensor/surface_grid.hpp"
 
@@ -35,19 +36,29 @@ struct View {
   const SurfaceGrid* surfaces = nullptr;  ///< of what is at rest; null if they are not known
 };
 
+/// Returns whether a point of a view is on a surface at rest; true if the surfaces are not known.
+bool is_at_rest(const Eigen::Vector3d& p_view, const View& view);
+
 /// Returns the p-value of the difference between views of the same scene: among all regions of a hundred
 /// neighbouring keypoints, the one of which fewest are found in the other view, if each is found with a third
 /// of the overall probability. 1 if there are too few keypoints to decide. Keypoints occluded in the other
 /// view do not count, nor those that are not on surfaces at rest of both views, where these are known.
 double appearance_p_value(const View& a, const View& b, const SE3& T_a_b, const PinholeCamera& camera);
 
-/// Counts views whose p-value was found.
+/// What two views that should show the same say of each other.
+struct ViewComparison {
+  double appearance_p_value = 1;
+  RelativeScale scale = {};
+};
+
+/// Counts views that have been compared.
 struct Looks {
-  int views = 0, different_views = 0;
+  int views = 0;
+  int different_views = 0;  ///< by appearance, or by the size of what both show
 
-  void add(double appearance_p_value);
+  void add(const ViewComparison& comparison);
 
-  /// Returns whether too many views look different for the same place, if there are enough to tell.
+  /// Returns whether too many views are different for the same place, if there are enough to tell.
   [[nodiscard]] bool refute_same_place() const;
 };
 

@@ -39,7 +39,8 @@ enum class LoopReason {
   kAmbiguous,        ///< other keyframes, or the same, fit another place as well
   kScale,            ///< the two visits see the place in different sizes
   kDoesNotFit,       ///< odometry, the other loops or the surfaces contradict it
-  kLooksDifferent,   ///< views of the two visits that should show the same do not
+  kLooksDifferent,   ///< views of the two visits that should show the same do not, or in other sizes
+  kByUser,           ///< the user has taken it back
 };
 
 constexpr auto option_names(LoopReason) {
@@ -52,7 +53,8 @@ constexpr auto option_names(LoopReason) {
                                               {kAmbiguous, "ambiguous"},
                                               {kScale, "different scale"},
                                               {kDoesNotFit, "does not fit"},
-                                              {kLooksDifferent, "looks different"}});
+                                              {kLooksDifferent, "looks different"},
+                                              {kByUser, "by the user"}});
 }
 
 /// Size of a place in one visit relative to another, from the landmarks that both see.

@@ -35,6 +35,10 @@ void Map::append(MapData parts) {
     loop.a = shifted(loop.a), loop.b = shifted(loop.b);
     loop_closures_.push_back(loop);
   }
+  for (LoopClosure& loop : parts.other_loops) {
+    loop.a = shifted(loop.a), loop.b = shifted(loop.b);
+    record_loop(loop);
+  }
   component_count_ += parts.component_count;
   check_appended(first_keyframe, first_landmark);
   for (size_t i = first_keyframe; i < keyframes_.size(); ++i) covisibility_.add_keyframe();

@@ -24,6 +24,7 @@ struct MapData {
   std::vector<Keyframe> keyframes;
   std::vector<std::optional<Landmark>> landmarks;  ///< nullopt if erased
   std::vector<LoopClosure> loop_closures;          ///< accepted
+  std::vector<LoopClosure> other_loops;            ///< provisional, rejected and withdrawn
   uint32_t component_count = 0;
 };
 
@@ -123,7 +124,9 @@ class Map {
   /// Loop closures that are no edges: provisional, rejected or withdrawn. Not in map files.
   [[nodiscard]] const std::vector<LoopClosure>& other_loops() const { return other_loops_; }
   /// Returns a copy of everything; `append` to an empty map restores the map.
-  [[nodiscard]] MapData data() const { return {keyframes_, landmarks_, loop_closures_, component_count_}; }
+  [[nodiscard]] MapData data() const {
+    return {keyframes_, landmarks_, loop_closures_, other_loops_, component_count_};
+  }
 
   [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
   [[nodiscard]] size_t landmark_count() const { return landmark_count_; }

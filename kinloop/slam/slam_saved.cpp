@@ -57,18 +57,17 @@ void Slam::join_components(uint32_t first) {
     }
   };
   search(first, count);
+  const auto is_between = [&](const LoopClosure& loop) {
+    return std::min(loop.a.value, loop.b.value) < first && std::max(loop.a.value, loop.b.value) >= first;
+  };
   const auto are_joined = [&] {
-    return std::any_of(map_.loop_closures().begin(), map_.loop_closures().end(),
-                       [&](const LoopClosure& loop) {
-                         return std::min(loop.a.value, loop.b.value) < first &&
-                                std::max(loop.a.value, loop.b.value) >= first;
-                       });
+    return std::any_of(map_.loop_closures().begin(), map_.loop_closures().end(), is_between);
   };
   if (!are_joined()) search(0, first);
   if (!are_joined()) {
     const std::vector<LoopClosure> waiting = map_.other_loops();
     for (const LoopClosure& loop : waiting) {
-      if (loop.stage != LoopStage::kProvisional) continue;
+      if (loop.stage != LoopStage::kProvisional || !is_between(loop)) continue;
       for (LoopVerificationProblem& problem : seek_support(map_, loop, options_.local_map))
         back_end_.add(std::move(problem));
     }

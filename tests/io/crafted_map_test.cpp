@@ -52,9 +52,9 @@ class CraftedMapTest : public testing::Test {
     const DatabaseReader reader(original, tables::kKind);
     const auto path = folder.path() / "crafted.kinmap";
     DatabaseWriter writer(path, tables::kKind);
-    for (const char* name :
-         {tables::kAbout, tables::kSession, tables::kOption, tables::kCamera, tables::kSensor,
-          tables::kKeyframe, tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
+    for (const char* name : {tables::kAbout, tables::kSession, tables::kOption, tables::kCamera,
+                             tables::kSensor, tables::kKeyframe, tables::kLoopEdge, tables::kOtherLoop,
+                             tables::kLandmark, tables::kFrame, tables::kImage}) {
       copy_table(reader, name, name == table ? row : -1, edit, writer);
     }
     writer.commit();
@@ -165,6 +165,16 @@ TEST_F(CraftedMapTest, ALoopWithAnImpossibleValueIsLost) {
                                    cell(10, int64_t{-1})};
   for (size_t i = 0; i < edits.size(); ++i)
     EXPECT_EQ(describe(damage_of(with(tables::kLoopEdge, 0, edits[i]))), "1 loops") << i;
+}
+
+TEST_F(CraftedMapTest, ALoopThatIsNoEdgeIsLostWithAnImpossibleValue) {
+  const std::vector<Edit> edits = {cell(1, int64_t{99}),          cell(2, kInfinity),
+                                   cell(11, int64_t{0}),          cell(12, -1.0),
+                                   cell(13, -kInfinity),          cell(14, std::string("accepted")),
+                                   cell(14, std::string("none")), cell(15, std::string("because")),
+                                   cell(15, int64_t{3})};
+  for (size_t i = 0; i < edits.size(); ++i)
+    EXPECT_EQ(describe(damage_of(with(tables::kOtherLoop, 1, edits[i]))), "1 loops") << i;
 }
 
 TEST_F(CraftedMapTest, AFrameWithAnImpossibleValueIsLost) {

@@ -54,6 +54,14 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
   for (size_t i : {1U, 2U}) EXPECT_EQ(again.frames[i].doubtful, i == 2U) << i;
   EXPECT_EQ(again.map.loop_closures[0].information, saved.map.loop_closures[0].information);
+  ASSERT_EQ(again.map.other_loops.size(), 2U);
+  const LoopClosure& rejected = again.map.other_loops[0];
+  EXPECT_EQ(rejected.ends(), (LoopEnds{KeyframeId{2}, KeyframeId{8}}));
+  EXPECT_EQ(rejected.stage, LoopStage::kRejected);
+  EXPECT_EQ(rejected.reason, LoopReason::kScale);
+  EXPECT_EQ(rejected.support, 3);
+  EXPECT_EQ(rejected.evidence.scale.factor, 0.93);
+  EXPECT_EQ(again.map.other_loops[1].evidence.scale.sigma, std::numeric_limits<double>::infinity());
 
   // Everything else: saved again, the file is identical byte for byte.
   write_map(b, again, images.size(), [&](size_t i) { return images[i]; });
@@ -61,7 +69,7 @@ TEST(MapFile, RoundTripIsBitExact) {
 }
 
 /// Writes what an earlier version of the format held: 1 no stamps of depth, 1 and 2 no marks of doubt, 1 to 3
-/// no visits of keyframes and no support of loops.
+/// no visits of keyframes and no support of loops. None of them had loops that are no edges.
 void write_earlier_version(const std::filesystem::path& from, int32_t version,
                            const std::filesystem::path& to) {
   namespace tables = map_tables;
@@ -72,6 +80,7 @@ void write_earlier_version(const std::filesystem::path& from, int32_t version,
         tables::kKeyframe, tables::kLoopEdge, tables::kLandmark, tables::kFrame, tables::kImage}) {
     bool created = false;
     reader.read(table, [&](int64_t id, Row row) {
+      if (table == tables::kAbout && std::get<std::string>(row[0]) == tables::kOtherLoop) return true;
       if (table == tables::kFrame && version < 3) row.resize(row.size() - (version == 1 ? 2 : 1));
       if (table == tables::kKeyframe || table == tables::kLoopEdge) row.pop_back();
       if (table == tables::kKeyframe && version == 1) {
@@ -136,6 +145,8 @@ TEST(MapFile, FilesOfVersion3AreReadWithComponentsAsVisits) {
     EXPECT_EQ(map->loop_closures[0].support, support);
     EXPECT_TRUE(map->loop_closures[0].corrected);
   }
+  EXPECT_EQ(now.map.other_loops.size(), 2U);
+  EXPECT_EQ(old.map.other_loops.size(), 0U);
 }
 
 /// Replaces a table by a view.

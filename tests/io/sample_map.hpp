@@ -71,6 +71,19 @@ inline Map some_map(Random& random) {
                         3.5 * Matrix6d::Identity(),
                         {77},
                         LoopStage::kVerified});
+  map.record_loop({.a = KeyframeId{2},
+                   .b = KeyframeId{8},
+                   .T_a_b = some_pose(random),
+                   .information = 2 * Matrix6d::Identity(),
+                   .evidence = {.inliers = 41, .scale = {0.93, 0.004}},
+                   .stage = LoopStage::kRejected,
+                   .support = 3,
+                   .reason = LoopReason::kScale});
+  map.record_loop({.a = KeyframeId{3},
+                   .b = KeyframeId{9},
+                   .T_a_b = some_pose(random),
+                   .stage = LoopStage::kProvisional,
+                   .reason = LoopReason::kAmbiguous});
   return map;
 }
 

@@ -1,9 +1,12 @@
 #include "kinloop/loop/align_views.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "kinloop/loop/view_checks.hpp"
 #include "tests/loop/room_views.hpp"
+#include "tests/sensor/vga_surfaces.hpp"
 
 namespace kinloop {
 namespace {
@@ -13,8 +16,8 @@ using test::camera_at;
 /// Two views whose relative pose is as drift has left it.
 class AlignViews : public test::RoomViews {
  protected:
-  [[nodiscard]] std::optional<SE3> align(const DriftBound& bound) const {
-    return align_views(a_, b_, {T_a_b_ * drift_, bound}, sensor_);
+  [[nodiscard]] std::optional<AlignedViews> align(const DriftBound& bound) const {
+    return align_views({a_}, {b_}, {T_a_b_ * drift_, bound}, sensor_);
   }
 
   /// Changes the pictures in the middle of the second view.
@@ -33,16 +36,37 @@ constexpr DriftBound kBound{0.12, 0.03};
 TEST_F(AlignViews, TakesDriftBack) {
   const auto aligned = align(kBound);
   ASSERT_TRUE(aligned);
-  const SE3 error = T_a_b_.inverse() * *aligned;
+  const SE3 error = T_a_b_.inverse() * aligned->T_reference_camera;
   EXPECT_LT(error.translation.norm(), 0.01);
   EXPECT_LT(error.angle_rad(), 0.003);
+}
+
+TEST_F(AlignViews, OneSceneHasOneSize) {
+  const RelativeScale scale = align(kBound)->scale;
+  EXPECT_NEAR(scale.factor, 1, 0.004);
+  EXPECT_LT(scale.sigma, 0.005);
+}
+
+TEST_F(AlignViews, TheDoubleOfASceneHasAnother) {
+  for (float& depth_m : b_.depths_m) depth_m *= 0.97F;
+  const auto aligned = align({0.2, 0.05});
+  ASSERT_TRUE(aligned);
+  EXPECT_NEAR(aligned->scale.factor, 1 / 0.97, 0.006);
+}
+
+TEST_F(AlignViews, WhatMovesHasNoSayInTheSize) {
+  const cv::Mat nothing_m(480, 640, CV_32FC1, cv::Scalar(0));
+  const SurfaceGrid moving = make_surface_grid(test::vga_surface_camera(), nothing_m);
+  const auto aligned = align_views({a_, &moving}, {b_}, {T_a_b_ * drift_, kBound}, sensor_);
+  ASSERT_TRUE(aligned);
+  EXPECT_FALSE(std::isfinite(aligned->scale.sigma));
 }
 
 TEST_F(AlignViews, OtherPicturesStayDifferent) {
   repaint_middle(250);
   const auto aligned = align(kBound);
   ASSERT_TRUE(aligned);
-  EXPECT_LT(appearance_p_value({a_}, {b_}, *aligned, world_.camera), 1e-3);
+  EXPECT_LT(appearance_p_value({a_}, {b_}, aligned->T_reference_camera, world_.camera), 1e-3);
 }
 
 TEST_F(AlignViews, SaysNothingWhereDriftDoesNotExplainIt) {

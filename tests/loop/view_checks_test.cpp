@@ -218,5 +218,19 @@ TEST(AppearanceCheckOfSurfaces, WhatHasMovedDoesNotCount) {
   EXPECT_GT(appearance_p_value({a, &lower}, {b, &wall}, {}, pinhole), kUnlikely) << "or stood there before";
 }
 
+TEST(Looks, DifferByAppearanceOrByAKnownSize) {
+  const auto is_different = [](const ViewComparison& views) {
+    Looks looks;
+    looks.add(views);
+    return looks.different_views == 1;
+  };
+  EXPECT_TRUE(is_different({1e-4, {1, 0.002}}));
+  EXPECT_TRUE(is_different({1, {0.98, 0.002}}));
+  EXPECT_TRUE(is_different({1, {1.02, 0.002}}));
+  EXPECT_FALSE(is_different({1, {1.01, 0.002}})) << "as depth sensors err from afar";
+  EXPECT_FALSE(is_different({1, {0.98, 0.01}})) << "within three sigma";
+  EXPECT_FALSE(is_different({1, {}})) << "unknown";
+}
+
 }  // namespace
 }  // namespace kinloop

@@ -30,12 +30,10 @@ void write_map(const std::filesystem::path& path, const SavedMap& map, size_t im
 
 /// The parts of a file that were lost.
 struct MapDamage {
-  size_t keyframes = 0, landmarks = 0, loop_closures = 0, frames = 0, images = 0;
+  size_t keyframes = 0, landmarks = 0, loops = 0, frames = 0, images = 0;
   bool settings = false;  ///< options, sessions or sensor parameters
 
-  [[nodiscard]] bool any() const {
-    return keyframes + landmarks + loop_closures + frames + images > 0 || settings;
-  }
+  [[nodiscard]] bool any() const { return keyframes + landmarks + loops + frames + images > 0 || settings; }
 };
 
 /// Describes the damage for users; empty if there is none.

@@ -172,23 +172,59 @@ size_t read_landmarks(const DatabaseReader& file, const Renumbered& ids, MapData
   return count;
 }
 
+/// Reads what edges and other loops have, but the support. nullopt if its keyframes are lost or it is
+/// damaged.
+std::optional<LoopClosure> take_loop(RowReader& row, const Renumbered& ids) {
+  LoopClosure loop;
+  loop.a = new_id(ids, take_keyframe(row));
+  loop.b = new_id(ids, take_keyframe(row));
+  loop.T_a_b = take_pose(row);
+  const Blob information = row.take<Blob>();
+  ValueReader reader(information.bytes);
+  reader.copy(loop.information.data(), static_cast<size_t>(loop.information.size()));
+  loop.evidence.inliers = static_cast<int>(row.take_in<int64_t>(0, kMaxInliers));
+  const bool whole = reader.exhausted() && is_information(loop.information);
+  if (!whole || !loop.a.valid() || !loop.b.valid() || loop.a == loop.b) return std::nullopt;
+  return loop;
+}
+
+int take_support(RowReader& row) {
+  return static_cast<int>(row.take_in<int64_t>(1, kMaxKeyframes));
+}
+
 void read_loop_closures(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
   file.read(tables::kLoopEdge, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    LoopClosure loop;
-    loop.stage = LoopStage::kAccepted;
-    loop.a = new_id(ids, take_keyframe(row));
-    loop.b = new_id(ids, take_keyframe(row));
-    loop.T_a_b = take_pose(row);
-    const Blob information = row.take<Blob>();
-    ValueReader reader(information.bytes);
-    reader.copy(loop.information.data(), static_cast<size_t>(loop.information.size()));
-    loop.evidence.inliers = static_cast<int>(row.take_in<int64_t>(0, kMaxInliers));
-    if (!row.exhausted()) loop.support = static_cast<int>(row.take_in<int64_t>(1, kMaxKeyframes));
-    loop.corrected = true;
-    const bool whole = reader.exhausted() && row.exhausted() && is_information(loop.information);
-    if (!whole || !loop.a.valid() || !loop.b.valid() || loop.a == loop.b) return false;
-    map.loop_closures.push_back(loop);
+    auto loop = take_loop(row, ids);
+    if (!loop) return false;
+    if (!row.exhausted()) loop->support = take_support(row);  // since version 4
+    if (!row.exhausted()) return false;
+    loop->stage = LoopStage::kAccepted;
+    loop->corrected = true;
+    map.loop_closures.push_back(*loop);
+    return true;
+  });
+}
+
+/// Whether a loop of this stage is no edge, but was decided on or waits for a decision.
+bool is_no_edge(LoopStage stage) {
+  return stage == LoopStage::kProvisional || stage == LoopStage::kRejected || stage == LoopStage::kWithdrawn;
+}
+
+void read_other_loops(const DatabaseReader& file, const Renumbered& ids, MapData& map) {
+  file.read(tables::kOtherLoop, [&](int64_t, const Row& cells) {
+    RowReader row(cells);
+    auto loop = take_loop(row, ids);
+    if (!loop) return false;
+    loop->support = take_support(row);
+    loop->evidence.scale.factor = row.take_in(0.0, kMaxScale);
+    loop->evidence.scale.sigma = row.take_in(0.0, kUnconstrained);
+    const auto stage = value_named<LoopStage>(row.take<std::string>());
+    const auto reason = value_named<LoopReason>(row.take<std::string>());
+    if (!row.exhausted() || !stage || !is_no_edge(*stage) || !reason) return false;
+    loop->stage = *stage;
+    loop->reason = *reason;
+    map.other_loops.push_back(*loop);
     return true;
   });
 }
@@ -242,7 +278,7 @@ std::string describe(const MapDamage& damage) {
   };
   add(damage.keyframes, "keyframes");
   add(damage.landmarks, "landmarks");
-  add(damage.loop_closures, "loops");
+  add(damage.loops, "loops");
   add(damage.frames, "frames");
   add(damage.images, "images");
   if (damage.settings) lost.emplace_back("settings");
@@ -269,6 +305,7 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
   }
   const size_t landmarks = read_landmarks(database_, ids, saved.map);
   read_loop_closures(database_, ids, saved.map);
+  read_other_loops(database_, ids, saved.map);
   saved.frames = read_frames(database_, ids);
   if (const auto program = about.find("program"); program != about.end()) {
     if (const auto* text = std::get_if<std::string>(&program->second)) saved.program = *text;
@@ -280,7 +317,8 @@ std::pair<SavedMap, MapDamage> MapReader::read() const {
   }
   damage.keyframes = missing(about, tables::kKeyframe, ids.size());
   damage.landmarks = missing(about, tables::kLandmark, landmarks);
-  damage.loop_closures = missing(about, tables::kLoopEdge, saved.map.loop_closures.size());
+  damage.loops = missing(about, tables::kLoopEdge, saved.map.loop_closures.size()) +
+                 missing(about, tables::kOtherLoop, saved.map.other_loops.size());
   damage.frames = missing(about, tables::kFrame, saved.frames.size());
   return {std::move(saved), damage};
 }

@@ -34,6 +34,7 @@ void write_about(DatabaseWriter& file, const SavedMap& map, size_t image_count) 
       {"components", int64_t{map.map.component_count}},
       {tables::kKeyframe, count(map.map.keyframes.size())},
       {tables::kLoopEdge, count(map.map.loop_closures.size())},
+      {tables::kOtherLoop, count(map.map.other_loops.size())},
       {tables::kLandmark, int64_t{landmarks}},
       {tables::kFrame, count(map.frames.size())},
       {tables::kImage, count(image_count)},
@@ -78,18 +79,35 @@ void write_keyframes(DatabaseWriter& file, const MapData& map) {
   }
 }
 
+/// The columns that edges and other loops have.
+Row loop_row(const LoopClosure& loop) {
+  Row row = {int64_t{loop.a.value}, int64_t{loop.b.value}};
+  add_pose(row, loop.T_a_b);
+  Blob information;
+  put_values(information.bytes, loop.information.data(), static_cast<size_t>(loop.information.size()));
+  row.emplace_back(std::move(information));
+  row.emplace_back(int64_t{loop.evidence.inliers});
+  row.emplace_back(int64_t{loop.support});
+  return row;
+}
+
 void write_loop_closures(DatabaseWriter& file, const MapData& map) {
   file.create(tables::kLoopEdge, with_pose({"a", "b"}, {"information", "inliers", "support"}));
   int64_t id = 0;
-  for (const LoopClosure& loop : map.loop_closures) {
-    Row row = {int64_t{loop.a.value}, int64_t{loop.b.value}};
-    add_pose(row, loop.T_a_b);
-    Blob information;
-    put_values(information.bytes, loop.information.data(), static_cast<size_t>(loop.information.size()));
-    row.emplace_back(std::move(information));
-    row.emplace_back(int64_t{loop.evidence.inliers});
-    row.emplace_back(int64_t{loop.support});
-    file.insert(tables::kLoopEdge, id++, row);
+  for (const LoopClosure& loop : map.loop_closures) file.insert(tables::kLoopEdge, id++, loop_row(loop));
+}
+
+void write_other_loops(DatabaseWriter& file, const MapData& map) {
+  file.create(tables::kOtherLoop, with_pose({"a", "b"}, {"information", "inliers", "support", "scale",
+                                                         "scale_sigma", "status", "reason"}));
+  int64_t id = 0;
+  for (const LoopClosure& loop : map.other_loops) {
+    Row row = loop_row(loop);
+    row.emplace_back(loop.evidence.scale.factor);
+    row.emplace_back(loop.evidence.scale.sigma);
+    row.emplace_back(std::string(name_of(loop.stage)));
+    row.emplace_back(std::string(name_of(loop.reason)));
+    file.insert(tables::kOtherLoop, id++, row);
   }
 }
 
@@ -152,6 +170,7 @@ void write_map(const std::filesystem::path& path, const SavedMap& map, size_t im
   write_camera(file, map.camera);
   write_keyframes(file, map.map);
   write_loop_closures(file, map.map);
+  write_other_loops(file, map.map);
   write_landmarks(file, map.map);
   write_frames(file, map.frames);
   write_images(file, image_count, images);

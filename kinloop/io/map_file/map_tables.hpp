@@ -17,6 +17,8 @@ constexpr const char* kKeyframe =
     "keyframe";  ///< frame, stamp, component, pose, features, visit (since version 4)
 /// a, b, motion, information, inliers, support (since version 4)
 constexpr const char* kLoopEdge = "loop_edge";
+/// a, b, motion, information, inliers, support, scale, scale_sigma, status, reason; older files have none
+constexpr const char* kOtherLoop = "other_loop";
 constexpr const char* kLandmark = "landmark";  ///< anchor, position in its frame, observations
 constexpr const char* kImage = "image";        ///< frame, rows, cols, colour, depth
 /// frame, stamp, status, reference, keyframe, repeat, pose, lag (since version 2), doubtful (since version 3)

@@ -19,6 +19,7 @@ constexpr int64_t kMaxStatus = 255;
 constexpr int64_t kMaxSide_px = 1 << 15;
 constexpr double kMaxDistanceM = 1e6;
 constexpr double kMaxLagS = 1e3;
+constexpr double kMaxScale = 1e3;      ///< of one visit relative to another
 constexpr double kMaxParameter = 1e6;  ///< of a sensor, in its own unit
 constexpr double kUnconstrained =
     std::numeric_limits<double>::infinity();  ///< standard deviation of such a parameter

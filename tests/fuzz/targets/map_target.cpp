@@ -12,8 +12,7 @@ namespace {
 
 void expect_possible_damage(const MapDamage& damage) {
   constexpr size_t kMost = size_t{1} << 32;
-  for (const size_t lost :
-       {damage.keyframes, damage.landmarks, damage.loop_closures, damage.frames, damage.images})
+  for (const size_t lost : {damage.keyframes, damage.landmarks, damage.loops, damage.frames, damage.images})
     require(lost <= kMost, "more is lost than there can be");
   static_cast<void>(describe(damage));
 }
