@@ -93,7 +93,7 @@ void add_mesh_command(CLI::App& app) {
   add_map_argument(*command, arguments->map);
   command
       ->add_option("-o,--output", arguments->output,
-                   "FILE.ply, FILE.obj, FILE.glb (glTF), FILE.usda or FILE.stl")
+                   "FILE.ply, FILE.obj, FILE.glb (glTF), FILE.usda, FILE.usdz or FILE.stl")
       ->capture_default_str();
   add_poses_option(*command, arguments->poses);
   command->add_option("--voxel", arguments->voxel_m, "edge of a voxel, metres (mesh.voxel_m)");
@@ -103,7 +103,7 @@ void add_mesh_command(CLI::App& app) {
   command->add_option(
       "--texture", arguments->texture_px,
       "colour the mesh with a texture of at most so many pixels in width and height, made from "
-      "the sharpest images: .glb, .obj, .usda (mesh.texture_px)");
+      "the sharpest images: .glb, .obj, .usda, .usdz (mesh.texture_px)");
   add_frame_option(*command, arguments->frame);
   add_up_option(*command, arguments->assignments);
   add_set_option(*command, arguments->assignments);

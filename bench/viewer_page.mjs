@@ -1,101 +1,177 @@
-// Frame rate of the viewer's page while a cloud is rotated: with adaptive thinning, and with all points.
-// Chromium renders in software here unless the machine has a GPU (--gpu).
+// How the viewer's page copes with a large cloud or mesh (bench/viewer_building.mjs makes them): bytes and time until the
+// first picture over a slow connection, then the frame rate while the view is rotated, as it comes and with everything
+// drawn in every frame, and the time until everything is drawn once the view rests. Chromium renders in software here
+// unless the machine has a GPU (--gpu).
 //
-//   node bench/viewer_page.mjs MAP.ply [--kinloop PROGRAM] [--gpu]
-//   node bench/viewer_page.mjs --make 2000000 MAP.ply       writes a room of that many points first
+//   node bench/viewer_page.mjs MAP.ply [--kinloop PROGRAM] [--gpu] [--mbit 8] [--slow-only] [--skip-all]
+//
+// --slow-only: only the slow connection; --skip-all: without the frames with everything, which may take minutes
 
 import { execSync, spawn } from 'node:child_process';
-import { createWriteStream, readFileSync } from 'node:fs';
-import { once } from 'node:events';
+import { readFileSync } from 'node:fs';
+import { connect, createServer } from 'node:net';
 import { fileURLToPath } from 'node:url';
 
 const args = process.argv.slice(2);
 const option = (name, fallback) => (args.includes(name) ? args.splice(args.indexOf(name), 2)[1] : fallback);
+const flag = (name) => args.includes(name) && args.splice(args.indexOf(name), 1).length > 0;
 const program = option('--kinloop', 'build/release/apps/kinloop');
-const make = Number(option('--make', 0));
-const gpu = args.includes('--gpu') && args.splice(args.indexOf('--gpu'), 1);
+const mbitPerS = Number(option('--mbit', 8));
+const gpu = flag('--gpu');
+const slowOnly = flag('--slow-only');
+const skipAll = flag('--skip-all');
 const [map] = args;
+const BROWSER_TIMEOUT_MS = 600_000;
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** A room of 6 x 5 x 2.6 m: points on its walls and its floor. */
-async function writeRoom(path, count) {
-  const file = createWriteStream(path);
-  const properties = ['float x', 'float y', 'float z', 'uchar red', 'uchar green', 'uchar blue'];
-  file.write(`ply\nformat binary_little_endian 1.0\ncomment kinloop\nelement vertex ${count}\n${properties.map((p) => `property ${p}\n`).join('')}end_header\n`);
-  const bytes = Buffer.alloc(15 * count);
-  const size = [6, 2.6, 5];
-  for (let i = 0; i < count; ++i) {
-    const place = size.map((s) => (Math.random() - 0.5) * s);
-    const side = Math.floor(5 * Math.random());
-    if (side === 4) place[1] = size[1] / 2;
-    else place[side < 2 ? 0 : 2] = (side % 2 ? 0.5 : -0.5) * size[side < 2 ? 0 : 2];
-    place.forEach((x, k) => bytes.writeFloatLE(x, 15 * i + 4 * k));
-    place.forEach((x, k) => bytes.writeUInt8(128 + Math.round((120 * x) / size[k]), 15 * i + 12 + k));
-  }
-  file.end(bytes);
-  await once(file, 'finish');
+/** A server that forwards to `port`, and answers no faster than so many Mbit/s. */
+function slowServer(port, mbit) {
+  const TICK_MS = 10;
+  const most = (mbit * 1e6 * TICK_MS) / 8000; // bytes per tick, of all connections
+  let left = most;
+  setInterval(() => (left = most), TICK_MS).unref();
+  return createServer(async (browser) => {
+    const kinloop = connect(port, '127.0.0.1');
+    browser.pipe(kinloop);
+    [browser, kinloop].forEach((socket) => socket.on('error', () => [browser, kinloop].forEach((end) => end.destroy())));
+    for await (const data of kinloop) {
+      for (let at = 0; at < data.length; ) {
+        while (left < 1) await pause(1);
+        const part = data.subarray(at, at + Math.ceil(left));
+        left -= part.length;
+        at += part.length;
+        browser.write(part);
+      }
+    }
+    browser.end();
+  }).listen(0);
+}
+
+/** Notes when something of the map was drawn for the first time, and what had come until then. */
+function watchForPicture() {
+  const look = () => {
+    const { world, view } = window.kinloop ?? {};
+    if (!world || !(world.has('cloud') || world.has('mesh')) || view.dirty || world.moved) return requestAnimationFrame(look);
+    const bytes = performance.getEntriesByType('navigation')[0].transferSize + window.kinloop.connection.bytes;
+    const context = view.renderer.getContext();
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4)); // waits until it is drawn
+    window.firstPicture = { bytes, ms: performance.now() };
+    return undefined;
+  };
+  requestAnimationFrame(look);
+}
+
+async function openPage(browser, url) {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  page.setDefaultTimeout(BROWSER_TIMEOUT_MS);
+  await page.addInitScript(watchForPicture);
+  await page.goto(url);
+  return page;
+}
+
+async function firstPicture(browser, url) {
+  const slow = slowServer(Number(new URL(url).port), mbitPerS);
+  const page = await openPage(browser, Object.assign(new URL(url), { port: slow.address().port }).href);
+  const { bytes, ms } = await (await page.waitForFunction(() => window.firstPicture)).jsonValue();
+  await page.close();
+  slow.close();
+  console.log(`first picture at ${mbitPerS} Mbit/s: ${(ms / 1000).toFixed(2)} s, ${(bytes / 1e6).toFixed(2)} MB`);
 }
 
 /** CPU seconds of Chromium's GPU process, the measure least affected by other programs. */
-function drawingCpuS() {
+function drawingCpuS(pid) {
   const TICKS_PER_SECOND = 100;
-  const pid = execSync('pgrep -n -f [t]ype=gpu-process').toString().trim();
   const [user, system] = readFileSync(`/proc/${pid}/stat`, 'utf8').split(') ')[1].split(' ').slice(11, 13).map(Number);
   return (user + system) / TICKS_PER_SECOND;
 }
 
+/** Waits until everything has come; returns the number of points and of triangles. */
+async function loaded(page) {
+  const contents = () =>
+    page.evaluate(() => {
+      const { world, connection } = window.kinloop;
+      const triangles = world.models.reduce((most, model) => Math.max(most, (model.geometry?.index?.count ?? 0) / 3), 0);
+      return { points: world.pointCount, triangles, bytes: connection.bytes };
+    });
+  for (let before = { bytes: -1 }; ; ) {
+    const now = await contents();
+    if (now.bytes === before.bytes && now.points + now.triangles > 0) return now;
+    before = now;
+    await pause(2000);
+  }
+}
+
 /** Drags for some seconds; returns the frame rate and the share of points drawn. */
-async function drag(page, thinned) {
-  const SECONDS = 8;
-  await page.evaluate((on) => {
+async function drag(page, pid, thinned) {
+  const SECONDS = thinned ? 10 : 20;
+  await page.evaluate((adapts) => {
     const { view } = window.kinloop;
-    view.adapt = on ? Object.getPrototypeOf(view).adapt : () => (view.share = 1);
+    view.adapt = adapts ? Object.getPrototypeOf(view).adapt : () => Object.assign(view, { share: 1, shadesMoving: true });
     window.drawn = [];
-    const draw = Object.getPrototypeOf(view).draw;
-    view.draw = function () {
-      draw.call(view);
+    const { draw } = Object.getPrototypeOf(view);
+    view.draw = function (...range) {
+      draw.apply(view, range);
       window.drawn.push({ ms: performance.now(), share: view.share });
     };
   }, thinned);
   await page.mouse.move(400, 400);
   await page.mouse.down();
-  const before = { cpuS: drawingCpuS(), frames: await page.evaluate(() => window.drawn.length) };
+  const before = { cpuS: drawingCpuS(pid), frames: await page.evaluate(() => window.drawn.length) };
   const end = Date.now() + 1000 * SECONDS;
   for (let i = 0; Date.now() < end; ++i) {
     await page.mouse.move(400 + 200 * Math.sin(i / 40), 400);
-    await page.waitForTimeout(8);
+    await pause(8);
   }
-  await page.mouse.up();
-  const cpuS = drawingCpuS() - before.cpuS;
-  const frames = (await page.evaluate(() => window.drawn.length)) - before.frames;
+  const cpuS = drawingCpuS(pid) - before.cpuS;
   const pace = await page.evaluate(() => {
     const later = window.drawn.slice(Math.floor(window.drawn.length / 2)); // once adaptation has settled
     const seconds = (later.at(-1).ms - later[0].ms) / 1000;
-    return { framesPerSecond: (later.length - 1) / seconds, share: later.reduce((sum, { share }) => sum + share, 0) / later.length };
+    return { frames: window.drawn.length, framesPerSecond: (later.length - 1) / seconds, share: later.reduce((sum, { share }) => sum + share, 0) / later.length };
   });
-  return { ...pace, cpuMs: (1000 * cpuS) / frames };
+  await page.mouse.up();
+  return { ...pace, cpuMs: (1000 * cpuS) / (pace.frames - before.frames) };
 }
 
-if (make) await writeRoom(map, make);
+/** Seconds until everything is drawn once the view rests, and CPU seconds of it. */
+async function rest(page, pid) {
+  const began = { ms: Date.now(), cpuS: drawingCpuS(pid) };
+  await page.waitForFunction(() => !window.kinloop.view.unfinished && !window.kinloop.view.dirty);
+  await page.evaluate(() => {
+    const context = window.kinloop.view.renderer.getContext();
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+  });
+  return { seconds: (Date.now() - began.ms) / 1000, cpuS: drawingCpuS(pid) - began.cpuS };
+}
+
+async function frameRates(browser, url) {
+  const page = await openPage(browser, url);
+  const pid = execSync('pgrep -n -f [t]ype=gpu-process').toString().trim();
+  const start = Date.now();
+  const { points, triangles, bytes } = await loaded(page);
+  console.log(`${points} points, ${triangles} triangles, ${(bytes / 1e6).toFixed(1)} MB, all there after at most ${((Date.now() - start) / 1000).toFixed(1)} s`);
+  for (const thinned of skipAll ? [true] : [true, false]) {
+    const { framesPerSecond, share, cpuMs } = await drag(page, pid, thinned);
+    const drawn = `${framesPerSecond.toFixed(1)} frames a second, ${(100 * share).toFixed(2)} % of the points, ${cpuMs.toFixed(0)} ms of CPU a frame`;
+    console.log(`${thinned ? 'as it comes' : 'everything '}  ${drawn}`);
+    if (!thinned) continue;
+    const { seconds, cpuS } = await rest(page, pid);
+    console.log(`at rest      everything is drawn after ${seconds.toFixed(1)} s, ${cpuS.toFixed(1)} s of CPU`);
+  }
+  await page.close();
+}
+
+const started = Date.now();
 const kinloop = spawn(program, ['view', map, '--port', '0'], { stdio: ['ignore', 'ignore', 'pipe'] });
-const url = await new Promise((resolve) => kinloop.stderr.on('data', (data) => resolve(String(data).match(/http:\S+\//)[0])));
+const url = await new Promise((resolve) => kinloop.stderr.on('data', (data) => String(data).includes('http') && resolve(String(data).match(/http:\S+\//)[0])));
 const library = fileURLToPath(new URL('../viewer/pages/node_modules/playwright-core/index.mjs', import.meta.url));
 const { chromium } = await import(library);
 const software = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
 const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox', ...(gpu ? [] : software)] });
-const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-const start = Date.now();
-await page.goto(url);
-let points = 0;
-for (let before = -1; points !== before || points === 0; ) {
-  before = points;
-  await page.waitForTimeout(1000);
-  points = await page.evaluate(() => window.kinloop.world.pointCount);
+try {
+  console.log(`${map}: served after ${((Date.now() - started) / 1000).toFixed(1)} s`);
+  await firstPicture(browser, url);
+  if (!slowOnly) await frameRates(browser, url);
+} finally {
+  await browser.close();
+  kinloop.kill();
 }
-const bytes = await page.evaluate(() => window.kinloop.connection.bytes);
-console.log(`${points} points, ${(bytes / 1e6).toFixed(1)} MB, all there after at most ${((Date.now() - start) / 1000).toFixed(1)} s`);
-for (const thinned of [true, false]) {
-  const { framesPerSecond, share, cpuMs } = await drag(page, thinned);
-  console.log(`${thinned ? 'as it comes' : 'all points '}  ${framesPerSecond.toFixed(1)} frames a second, ${Math.round(100 * share)} % of the points, ${cpuMs.toFixed(0)} ms of CPU a frame`);
-}
-await browser.close();
-kinloop.kill();

@@ -11,6 +11,7 @@
 #include "kinloop/io/glb_bytes.hpp"
 #include "kinloop/io/map_file/byte_stream.hpp"
 #include "kinloop/io/usda_text.hpp"
+#include "kinloop/io/usdz_bytes.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 
 namespace kinloop {
@@ -92,6 +93,14 @@ std::string mtl_text(const std::string& image) {
   return fmt::format("newmtl {}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {}\n", kMaterial, image);
 }
 
+/// A USD scene and the image of its texture in one file; without an image that is empty.
+std::string usdz_of(const FileMesh& file, std::string_view jpeg) {
+  const std::string image = jpeg.empty() ? "" : "texture.jpg";
+  std::vector<PackagedFile> files = {{"scene.usda", usda_text(file, image)}};
+  if (!jpeg.empty()) files.push_back({image, std::string(jpeg)});
+  return usdz_bytes(files);
+}
+
 /// STL has triangles without a common list of vertices, each with the normal of its plane, in metres here.
 std::string stl_bytes(const FileMesh& file, const std::filesystem::path& path) {
   constexpr size_t kHeaderBytes = 80;
@@ -123,7 +132,7 @@ bool is_mesh_file(const std::filesystem::path& path) {
 
 bool is_textured_mesh_file(const std::filesystem::path& path) {
   const auto form = path.extension();
-  return form == ".obj" || form == ".glb" || form == ".usda";
+  return form == ".obj" || form == ".glb" || form == ".usda" || form == ".usdz";
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
@@ -134,6 +143,7 @@ void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, cons
   if (path.extension() == ".obj") return write_file(path, obj_text(file));
   if (path.extension() == ".stl") return write_file(path, stl_bytes(file, path));
   if (path.extension() == ".usda") return write_file(path, usda_text(file, {}));
+  if (path.extension() == ".usdz") return write_file(path, usdz_of(file, {}));
   write_file(path, glb_bytes(file, {}, path));
 }
 
@@ -146,6 +156,7 @@ void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, cons
   const std::vector<uint8_t> encoded = encode_jpeg(texture.image, kJpegQuality);
   const std::string_view jpeg(reinterpret_cast<const char*>(encoded.data()), encoded.size());
   if (path.extension() == ".glb") return write_file(path, glb_bytes(file, jpeg, path));
+  if (path.extension() == ".usdz") return write_file(path, usdz_of(file, jpeg));
   const auto beside = [&](const char* extension) {
     return std::filesystem::path(path).replace_extension(extension);
   };

@@ -1,6 +1,6 @@
 #pragma once
 // Coloured mesh files: PLY (binary), OBJ (with the common vertex colour extension), glTF 2.0 (binary
-// .glb), USD (.usda) and STL (binary, without colours); with a texture OBJ, glTF and USD.
+// .glb), USD (.usda, .usdz) and STL (binary, without colours); with a texture OBJ, glTF and USD.
 
 #include <filesystem>
 #include <string_view>
@@ -12,22 +12,23 @@
 namespace kinloop {
 
 /// The extensions that `write_mesh` supports, for messages.
-inline constexpr std::string_view kMeshExtensions = ".ply, .obj, .glb, .usda or .stl";
+inline constexpr std::string_view kMeshExtensions = ".ply, .obj, .glb, .usda, .usdz or .stl";
 
 /// Those that can have a texture.
-inline constexpr std::string_view kTexturedMeshExtensions = ".glb, .obj or .usda";
+inline constexpr std::string_view kTexturedMeshExtensions = ".glb, .obj, .usda or .usdz";
 
 /// Returns whether `write_mesh` supports the extension of this name, without a texture or with one.
 bool is_mesh_file(const std::filesystem::path& path);
 bool is_textured_mesh_file(const std::filesystem::path& path);
 
-/// Writes the file atomically, with normals, in the format given by its extension (.ply, .obj, .glb, .usda or
-/// .stl) and in `frame`, which is noted in a comment (not in STL); in glTF, where y is up, a node rotates the
-/// vertices. Throws InputError on failure.
+/// Writes the file atomically, with normals, in the format given by its extension (.ply, .obj, .glb, .usda,
+/// .usdz or .stl) and in `frame`, which is noted in a comment (not in STL); in glTF, where y is up, a node
+/// rotates the vertices. Throws InputError on failure.
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame = {});
 
-/// Writes a mesh with its texture as .glb, .obj or .usda. The image, a JPEG file, is inside a .glb and beside
-/// other files, under the same name with .jpg; an .obj also has a .mtl. Throws InputError on failure.
+/// Writes a mesh with its texture as .glb, .obj, .usda or .usdz. The image, a JPEG file, is inside a .glb or
+/// .usdz and beside other files, under the same name with .jpg; an .obj also has a .mtl. Throws InputError on
+/// failure.
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const MeshTexture& texture,
                 const FileFrame& frame = {});
 

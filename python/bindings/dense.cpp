@@ -135,7 +135,8 @@ The arrays are read-only views of its memory; they keep it alive.)")
       .def_property_readonly(
           "T_file_world", [](const PyMesh& mesh) { return T_file_world(mesh.frame); }, kFileFrameDoc)
       .def("save", &save_mesh, py::arg("path"),
-           "Writes a .ply, .obj, .glb, .usda or .stl file, with a texture .obj, .glb or .usda, z up as "
+           "Writes a .ply, .obj, .glb, .usda, .usdz or .stl file, with a texture .obj, .glb, .usda or .usdz, "
+           "z up as "
            "kinloop "
            "mesh does. Raises InputError, or UsageError for another name.")
       .def("__repr__", [](const PyMesh& mesh) {

@@ -254,12 +254,12 @@ TEST_F(MapCommand, ATextureThatCannotBeSaysWhatToDo) {
   };
   for (const std::string name : {"refused.ply", "refused.stl"}) {
     EXPECT_THAT(refused("--texture 512 -o " + at(name)),
-                HasSubstr("has no texture; write .glb, .obj or .usda"));
+                HasSubstr("has no texture; write .glb, .obj, .usda or .usdz"));
     EXPECT_THAT(refused("--set mesh.texture_px=512 -o " + at(name)), HasSubstr("has no texture; write .glb"));
     EXPECT_FALSE(std::filesystem::exists(at(name)));
   }
   EXPECT_THAT(refused("--texture 512 -o " + at("m.off")),
-              HasSubstr("must end in .ply, .obj, .glb, .usda or"));
+              HasSubstr("must end in .ply, .obj, .glb, .usda, .usdz or"));
   EXPECT_THAT(refused("--texture 10 -o " + at("m.glb")), HasSubstr("at least 64"));
   EXPECT_THAT(refused("--texture 20000 -o " + at("m.glb")), HasSubstr("mesh.texture_px"));
   EXPECT_THAT(refused("--texture large -o " + at("m.glb")), HasSubstr("mesh.texture_px"));

@@ -42,10 +42,10 @@ std::vector<MisuseCase> command_line_mistakes() {
       {"fetch tum/room", kWrongUse, {"'tum/room'", "tum/fr1_room"}},
       {"export out", kWrongUse, {"nothing to write", "--cloud, --octomap"}},
       {"export out --cloud cloud.obj", kWrongUse, {"--cloud cloud.obj", ".ply, .pcd or .las"}},
-      {"mesh out -o mesh.off", kWrongUse, {"mesh.off", ".ply, .obj, .glb, .usda or .stl"}},
+      {"mesh out -o mesh.off", kWrongUse, {"mesh.off", ".ply, .obj, .glb, .usda, .usdz or .stl"}},
       {"mesh out -o mesh.ply --texture 4096",
        kWrongUse,
-       {"mesh.ply", "no texture; write .glb, .obj or .usda"}},
+       {"mesh.ply", "no texture; write .glb, .obj, .usda or .usdz"}},
       {"calibrate intrinsics images --board 5", kWrongUse, {"--square"}},
       {"run seq --set dense.voxel_m=0,01", kWrongUse, {"dense.voxel_m", "'0,01'", "a number"}},
   };

@@ -286,6 +286,47 @@ TEST(LiveMesh, KeepsItsMemoryBounded) {
   EXPECT_GT(seen.area_m2(), 0.95 * unbounded.area_m2());  // what was released is still shown
 }
 
+TEST(LiveMesh, ASingleViewTakesNoMoreThanItsMemory) {
+  const LiveMeshOptions small{.voxel_m = 0.02, .max_blocks = 50};
+  Receiver seen(small), unbounded;
+  for (Receiver* receiver : {&seen, &unbounded}) receiver->add_wall(at(0));
+  EXPECT_GT(unbounded.mesh().blocks_in_memory(), 2 * small.max_blocks);
+  EXPECT_EQ(seen.mesh().blocks_in_memory(), small.max_blocks);
+}
+
+TEST(LiveMesh, ASubmapIsReleasedAFewPiecesAtATime) {
+  constexpr size_t kFew = 2;
+  LiveMesh mesh({.voxel_m = 0.02, .max_blocks = 400});
+  const DenseCamera camera{.color = small_camera()};
+  const std::vector<SE3> poses = walk(6);
+  mesh.correct(poses);
+  std::set<uint32_t> sent;
+  for (uint32_t i = 0; i < poses.size(); ++i) {
+    const RgbdImages images = view_of_wall(camera.color, poses[i], kFrontWallZ_m, kGreen);
+    mesh.fuse(make_fusion_view(images, camera, undistortion_of(camera.color), {}), KeyframeId{i}, SE3());
+    EXPECT_LE(mesh.blocks_in_memory(), 400U);
+    for (int turn = 0; turn < 20; ++turn) {
+      const auto pieces = mesh.take_changed(kFew, false);
+      EXPECT_LE(pieces.size(), kFew);
+      for (const MeshPiece& piece : pieces) sent.insert(piece.index);
+    }
+    EXPECT_LT(mesh.blocks_in_memory(), 400U) << "there is room before it is needed";
+  }
+  EXPECT_GT(sent.size(), 10U);
+}
+
+TEST(LiveMesh, WhatWasReleasedIsNotDrawnAgainWhenItIsSeenAgain) {
+  constexpr double kLength_m = 6, kVoxel_m = 0.02;
+  Receiver seen({.voxel_m = kVoxel_m, .max_blocks = 300});
+  for (const SE3& pose : walk(kLength_m)) seen.add_wall(pose);
+  seen.take(true);
+  const double once_m2 = seen.area_m2();
+  // Depth is a voxel off this time.
+  for (const SE3& pose : walk(kLength_m)) seen.add_wall(pose, kFrontWallZ_m + kVoxel_m);
+  seen.take(true);
+  EXPECT_NEAR(seen.area_m2() / once_m2, 1, 0.05);
+}
+
 TEST(LiveMesh, IsTheSameEveryTime) {
   const Receiver a = after_walk(3), b = after_walk(3);
   ASSERT_FALSE(a.pieces().empty());

@@ -1,5 +1,6 @@
 #include "kinloop/dense/mesh/simplify_mesh.hpp"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -135,6 +136,65 @@ ColoredMesh touching() {
                   {0, -2, 0},
                   {0, -2, 1}},
                  triangles);
+}
+
+/// The faces of unit cubes that have no other at their side.
+ColoredMesh surface_of(const std::set<std::array<int, 3>>& cubes) {
+  ColoredMesh mesh;
+  std::map<std::array<int, 3>, uint32_t> vertices;
+  const auto vertex = [&](const std::array<int, 3>& place) {
+    const auto [at, is_new] = vertices.try_emplace(place, mesh.points.size());
+    if (is_new) mesh.points.push_back(Eigen::Vector3i(place.data()).cast<float>());
+    return at->second;
+  };
+  for (const std::array<int, 3>& cube : cubes) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      for (const int side : {0, 1}) {
+        std::array<int, 3> beside = cube;
+        beside[axis] += 2 * side - 1;
+        if (cubes.contains(beside)) continue;
+        std::array<uint32_t, 4> corners{};
+        for (size_t k = 0; k < 4; ++k) {
+          std::array<int, 3> place = cube;
+          place[axis] += side;
+          place[(axis + 1) % 3] += k == 1 || k == 2 ? 1 : 0;
+          place[(axis + 2) % 3] += k >= 2 ? 1 : 0;
+          corners[side == 1 ? k : 3 - k] = vertex(place);
+        }
+        mesh.triangles.push_back({corners[0], corners[1], corners[2]});
+        mesh.triangles.push_back({corners[0], corners[2], corners[3]});
+      }
+    }
+  }
+  mesh.colors.resize(mesh.points.size());
+  return mesh;
+}
+
+TEST(SimplifyMesh, AnEdgeOfFourTrianglesOfOneSurfaceLeavesNoSlit) {
+  SKIP_WITHOUT_CGAL();
+  // Two cubes that have an edge in common, and three above it that join them.
+  const ColoredMesh cubes = surface_of({{0, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}});
+  ASSERT_FALSE(is_manifold(cubes));
+  const ColoredMesh closed = manifold_mesh(cubes);
+  EXPECT_TRUE(is_manifold(closed));
+  EXPECT_TRUE(is_closed(closed));
+  EXPECT_EQ(closed.triangles.size(), cubes.triangles.size());
+  const ColoredMesh few = simplified_mesh(cubes, 20);
+  EXPECT_LE(few.triangles.size(), 20U);
+  EXPECT_TRUE(is_closed(few));
+}
+
+TEST(SimplifyMesh, PiecesThatOnlyTouchedAreLeftOutIfTheyAreSmall) {
+  SKIP_WITHOUT_CGAL();
+  EXPECT_EQ(manifold_mesh(touching(), 4).triangles.size(), 12U);
+  EXPECT_TRUE(manifold_mesh(touching(), 5).triangles.empty());
+  ColoredMesh with_debris = sphere(10, 12);
+  with_debris.points.emplace_back(0, 1, 2);
+  with_debris.points.emplace_back(1, 0, 2);
+  with_debris.colors.resize(with_debris.points.size());
+  const auto last = static_cast<uint32_t>(with_debris.points.size() - 1);
+  with_debris.triangles.push_back({0, last - 1, last});
+  EXPECT_EQ(manifold_mesh(with_debris, 2).triangles.size(), sphere(10, 12).triangles.size());
 }
 
 TEST(SimplifyMesh, SurfacesThatTouchGetVerticesOfTheirOwn) {

@@ -1,6 +1,7 @@
 #include "kinloop/io/mesh_file.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -175,6 +176,39 @@ TEST(MeshFile, UsdHoldsColoursOrNamesItsTexture) {
   EXPECT_THAT(text, testing::Not(HasSubstr("displayColor")));
   EXPECT_EQ(std::count(text.begin(), text.end(), '{'), std::count(text.begin(), text.end(), '}'));
   EXPECT_EQ(decode_jpeg(read_file(folder.path() / "t.jpg")).size(), cv::Size(64, 32));
+}
+
+/// The offset of the bytes of each file in a ZIP archive, by name, as its directory at the end lists them.
+std::map<std::string, size_t> files_in_zip(const std::string& zip) {
+  std::map<std::string, size_t> found;
+  const size_t end = zip.rfind("PK\5\6");
+  const auto count = value_at<uint16_t>(zip, end + 10);
+  size_t at = value_at<uint32_t>(zip, end + 16);
+  for (int i = 0; i < count; ++i) {
+    const auto name_bytes = value_at<uint16_t>(zip, at + 28);
+    const size_t header = value_at<uint32_t>(zip, at + 42);
+    EXPECT_EQ(zip.substr(header, 4), "PK\3\4");
+    EXPECT_EQ(value_at<uint16_t>(zip, header + 8), 0) << "not compressed";
+    found[zip.substr(at + 46, name_bytes)] =
+        header + 30 + value_at<uint16_t>(zip, header + 26) + value_at<uint16_t>(zip, header + 28);
+    at += 46U + name_bytes;
+  }
+  return found;
+}
+
+TEST(MeshFile, UsdzHoldsSceneAndTextureAligned) {
+  const test::TempFolder folder;
+  write_mesh(folder.path() / "t.usdz", square(), square_texture());
+  const std::string zip = read_file(folder.path() / "t.usdz");
+  const auto files = files_in_zip(zip);
+  ASSERT_EQ(files.size(), 2U);
+  for (const auto& [name, offset] : files) EXPECT_EQ(offset % 64, 0U) << name;
+  EXPECT_LT(files.at("scene.usda"), files.at("texture.jpg")) << "the scene is the first";
+  EXPECT_EQ(zip.substr(files.at("scene.usda"), 10), "#usda 1.0\n");
+  EXPECT_THAT(zip, HasSubstr("asset inputs:file = @./texture.jpg@"));
+  EXPECT_EQ(decode_jpeg(zip.substr(files.at("texture.jpg"))).size(), cv::Size(64, 32));
+  write_mesh(folder.path() / "m.usdz", square());
+  EXPECT_EQ(files_in_zip(read_file(folder.path() / "m.usdz")).size(), 1U);
 }
 
 /// The rotation of the node in a .glb.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
+#include <utility>
 
 namespace kinloop {
 namespace {
@@ -62,14 +65,12 @@ void LiveMesh::fuse(const FusionView& view, KeyframeId keyframe, const SE3& T_ke
   const SE3 T_world_camera = T_world_keyframe_[keyframe.value] * T_keyframe_camera;
   const auto samples = sampled_surface(view, sample_stride_px(view.camera.color, options_));
   std::vector<size_t> parts = agreeing_parts(samples, T_world_camera);
-  allocate(samples, T_world_camera, keyframe, parts);
+  std::vector<WantedBlock> blocks = wanted_blocks(samples, T_world_camera, keyframe, parts);
   link(parts);
+  for (const size_t i : parts) parts_[i].last_view = views_;
+  allocate(std::move(blocks));
   const DepthTiles tiles(view.depth_m);
-  for (const size_t i : parts) {
-    parts_[i].submap.fuse(view, tiles, T_world_camera.inverse() * pose(parts_[i]));
-    parts_[i].last_view = views_;
-  }
-  limit_memory();
+  for (const size_t i : parts) parts_[i].submap.fuse(view, tiles, T_world_camera.inverse() * pose(parts_[i]));
 }
 
 std::vector<size_t> LiveMesh::agreeing_parts(std::span<const Eigen::Vector3f> samples,
@@ -80,23 +81,27 @@ std::vector<size_t> LiveMesh::agreeing_parts(std::span<const Eigen::Vector3f> sa
     const SE3 T_part_camera = pose(parts_[i]).inverse() * T_world_camera;
     const Submap& submap = parts_[i].submap;
     if (!submap.is_near(T_part_camera.translation.cast<float>(), options_.limits.max_depth_m)) continue;
-    const auto [known, agreed] = submap.agreement(moved(some, T_part_camera));
+    const auto [known, agreed] =
+        submap.agreement(moved(some, T_part_camera), T_part_camera.translation.cast<float>());
     if (known >= kMinKnown && static_cast<double>(agreed) >= kMinAgreeing * static_cast<double>(known))
       agreeing.push_back(i);
   }
   return agreeing;
 }
 
-/// Adds blocks for the surface in view: to the oldest of `parts` that owns a sample of it, else to one of
-/// them or a new one, which is then added to `parts`.
-void LiveMesh::allocate(std::span<const Eigen::Vector3f> samples, const SE3& T_world_camera,
-                        KeyframeId keyframe, std::vector<size_t>& parts) {
+/// Returns the blocks that the surface in view lacks: in the oldest of `parts` that owns a sample of it, else
+/// in one of them or a new one, which is then added to `parts`.
+std::vector<LiveMesh::WantedBlock> LiveMesh::wanted_blocks(std::span<const Eigen::Vector3f> samples,
+                                                           const SE3& T_world_camera, KeyframeId keyframe,
+                                                           std::vector<size_t>& parts) {
   constexpr size_t kNobody = ~size_t{0};
   std::vector<size_t> owner(samples.size(), kNobody);
   for (const size_t i : parts) {
-    const auto points = moved(samples, pose(parts_[i]).inverse() * T_world_camera);
+    const SE3 T_part_camera = pose(parts_[i]).inverse() * T_world_camera;
+    const auto points = moved(samples, T_part_camera);
+    const Eigen::Vector3f eye = T_part_camera.translation.cast<float>();
     for (size_t k = 0; k < points.size(); ++k) {
-      if (owner[k] == kNobody && parts_[i].submap.owns(points[k])) owner[k] = i;
+      if (owner[k] == kNobody && parts_[i].submap.owns(points[k], eye)) owner[k] = i;
     }
   }
   const auto without_owner = std::ranges::count(owner, kNobody);
@@ -105,16 +110,39 @@ void LiveMesh::allocate(std::span<const Eigen::Vector3f> samples, const SE3& T_w
     std::ranges::replace(owner, kNobody, part_for_new_surface(keyframe, share, parts));
   }
   const auto reach = static_cast<float>(scale_.truncation_m);
+  std::vector<WantedBlock> wanted;
   for (const size_t i : parts) {
-    if (parts_[i].submap.is_released()) continue;
+    const Submap& submap = parts_[i].submap;
+    if (submap.is_released()) continue;
     const SE3 T_part_camera = pose(parts_[i]).inverse() * T_world_camera;
     const auto points = moved(samples, T_part_camera);
     const Eigen::Vector3f eye = T_part_camera.translation.cast<float>();
     for (size_t k = 0; k < points.size(); ++k) {
       if (owner[k] != i) continue;
       const Eigen::Vector3f along = reach * (points[k] - eye).normalized();
-      for (const float step : {-1.0F, 0.0F, 1.0F}) parts_[i].submap.touch(points[k] + step * along);
+      for (const float step : {-1.0F, 0.0F, 1.0F}) {
+        const VoxelKey block = submap.block_at(points[k] + step * along);
+        if (!submap.has_block(block)) wanted.emplace_back(i, block);
+      }
     }
+  }
+  return wanted;
+}
+
+/// Adds blocks, and releases submaps for them. Those that would not fit are left out.
+void LiveMesh::allocate(std::vector<WantedBlock> blocks) {
+  std::ranges::sort(blocks);
+  const auto repeated = std::ranges::unique(blocks);
+  blocks.erase(repeated.begin(), repeated.end());
+  blocks.resize(std::min(blocks.size(), options_.max_blocks));
+  while (blocks_in_memory() + blocks.size() > options_.max_blocks) {
+    const auto oldest = least_recently_seen();
+    if (!oldest) break;
+    take_stale(*oldest, std::numeric_limits<size_t>::max(), released_);
+    parts_[*oldest].submap.release();
+  }
+  for (const auto& [part, block] : blocks) {
+    if (!parts_[part].submap.is_released()) parts_[part].submap.touch(block);
   }
 }
 
@@ -146,25 +174,42 @@ void LiveMesh::link(std::span<const size_t> parts) {
   }
 }
 
-void LiveMesh::limit_memory() {
-  while (blocks_in_memory() > options_.max_blocks) {
-    size_t oldest = parts_.size();
-    for (size_t i = 0; i < parts_.size(); ++i) {
-      if (parts_[i].submap.is_released()) continue;
-      if (oldest == parts_.size() || parts_[i].last_view < parts_[oldest].last_view) oldest = i;
-    }
-    for (size_t chunk = 0; chunk < parts_[oldest].submap.chunks().size(); ++chunk) {
-      if (!parts_[oldest].submap.chunks()[chunk].is_stale()) continue;
-      if (auto piece = take(oldest, chunk)) released_.push_back(*std::move(piece));
-    }
-    parts_[oldest].submap.release();
+/// Of the parts that have voxels.
+std::optional<size_t> LiveMesh::least_recently_seen() const {
+  std::optional<size_t> oldest;
+  for (size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].submap.is_released()) continue;
+    if (!oldest || parts_[i].last_view < parts_[*oldest].last_view) oldest = i;
   }
+  return oldest;
+}
+
+/// Appends the pieces of a part that do not show all of it, until there are `most`.
+void LiveMesh::take_stale(size_t part, size_t most, std::vector<MeshPiece>& pieces) {
+  const auto& chunks = parts_[part].submap.chunks();
+  for (size_t chunk = 0; chunk < chunks.size() && pieces.size() < most; ++chunk) {
+    if (!chunks[chunk].is_stale()) continue;
+    if (auto piece = take(part, chunk)) pieces.push_back(*std::move(piece));
+  }
+}
+
+/// While there is still some memory, releases the part that was not seen for longest, unless it is in view,
+/// with its last pieces first: a few at a time, since all of them may take long.
+void LiveMesh::retire(size_t most, std::vector<MeshPiece>& pieces) {
+  constexpr double kFrom = 0.875;  // of the memory
+  if (static_cast<double>(blocks_in_memory()) < kFrom * static_cast<double>(options_.max_blocks)) return;
+  const auto oldest = least_recently_seen();
+  if (!oldest || parts_[*oldest].last_view == views_) return;
+  take_stale(*oldest, most, pieces);
+  if (pieces.size() < most) parts_[*oldest].submap.release();
 }
 
 std::vector<MeshPiece> LiveMesh::take_changed(size_t most, bool all) {
   std::vector<MeshPiece> pieces;
-  for (; pieces.size() < most && !released_.empty(); released_.pop_front())
-    pieces.push_back(std::move(released_.front()));
+  const auto sent = released_.begin() + static_cast<long>(std::min(most, released_.size()));
+  pieces.assign(std::make_move_iterator(released_.begin()), std::make_move_iterator(sent));
+  released_.erase(released_.begin(), sent);
+  retire(most, pieces);
   for (size_t i = 0; i < parts_.size(); ++i) {
     if (parts_[i].submap.is_released()) continue;
     const auto& chunks = parts_[i].submap.chunks();

@@ -10,6 +10,8 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "kinloop/dense/live_mesh/submap.hpp"
 
@@ -18,7 +20,8 @@ namespace kinloop {
 struct LiveMeshOptions {
   double voxel_m = 0.01;
   DepthLimits limits = {};
-  /// Blocks of 4 KiB with voxels in memory. Beyond it the submap that was not seen for longest is released.
+  /// Most blocks of 4 KiB with voxels in memory. For more, the submap that was not seen for longest is
+  /// released.
   size_t max_blocks = 16384;
 };
 
@@ -59,21 +62,26 @@ class LiveMesh {
     std::vector<uint32_t> piece_of = {};  // index of the piece of each chunk; kNoPiece: none yet
   };
 
+  using WantedBlock = std::pair<size_t, VoxelKey>;  // of which part
+
   [[nodiscard]] SE3 pose(const Part& part) const { return T_world_keyframe_[part.submap.anchor().value]; }
   [[nodiscard]] std::vector<size_t> agreeing_parts(std::span<const Eigen::Vector3f> samples,
                                                    const SE3& T_world_camera) const;
-  void allocate(std::span<const Eigen::Vector3f> samples, const SE3& T_world_camera, KeyframeId keyframe,
-                std::vector<size_t>& parts);
+  std::vector<WantedBlock> wanted_blocks(std::span<const Eigen::Vector3f> samples, const SE3& T_world_camera,
+                                         KeyframeId keyframe, std::vector<size_t>& parts);
+  void allocate(std::vector<WantedBlock> blocks);
   size_t part_for_new_surface(KeyframeId keyframe, double new_share, std::vector<size_t>& parts);
   void link(std::span<const size_t> parts);
-  void limit_memory();
+  [[nodiscard]] std::optional<size_t> least_recently_seen() const;
+  void take_stale(size_t part, size_t most, std::vector<MeshPiece>& pieces);
+  void retire(size_t most, std::vector<MeshPiece>& pieces);
   std::optional<MeshPiece> take(size_t part, size_t chunk);
 
   LiveMeshOptions options_;
   TsdfScale scale_;
   std::vector<SE3> T_world_keyframe_;
   std::deque<Part> parts_;
-  std::deque<MeshPiece> released_;  // the last states of pieces whose voxels were released
+  std::vector<MeshPiece> released_;  // the last states of pieces whose voxels were released
   uint64_t views_ = 0;
   uint32_t pieces_ = 0;
 };

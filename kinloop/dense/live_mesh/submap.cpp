@@ -22,33 +22,33 @@ bool Submap::is_near(const Eigen::Vector3f& point, double margin_m) const {
          margin_m;
 }
 
-bool Submap::owns(const Eigen::Vector3f& point) const {
-  const Eigen::Vector3i voxel = voxel_at(point / scale_.voxel_m);
-  const TsdfBlock* block = blocks_.find(voxel_key(voxel));
-  if (block == nullptr) return false;
-  return !released_ || (block->drawn & drawn_bit(voxel)) != 0;
+bool Submap::owns(const Eigen::Vector3f& point, const Eigen::Vector3f& eye) const {
+  if (released_) return shows(point, (point - eye).normalized());
+  return has_block(block_at(point));
 }
 
-bool Submap::shows(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const {
+bool Submap::shows(const Eigen::Vector3f& point, const Eigen::Vector3f& along) const {
   for (const float step : {0.0F, -kSame_voxels, kSame_voxels}) {
-    const Eigen::Vector3i voxel = voxel_at(point / scale_.voxel_m + step * normal);
+    const Eigen::Vector3i voxel = voxel_at(point / scale_.voxel_m + step * along);
     const TsdfBlock* block = blocks_.find(voxel_key(voxel));
     if (block != nullptr && (block->drawn & drawn_bit(voxel)) != 0) return true;
   }
   return false;
 }
 
-ViewAgreement Submap::agreement(std::span<const Eigen::Vector3f> points) const {
+ViewAgreement Submap::agreement(std::span<const Eigen::Vector3f> points, const Eigen::Vector3f& eye) const {
   ViewAgreement found;
   for (const Eigen::Vector3f& point : points) {
+    if (released_) {
+      const bool agrees = shows(point, (point - eye).normalized());
+      const TsdfBlock* block = blocks_.find(voxel_key(voxel_at(point / scale_.voxel_m)));
+      found.known += agrees || (block != nullptr && block->drawn != 0) ? 1 : 0;
+      found.agreeing += agrees ? 1 : 0;
+      continue;
+    }
     const Eigen::Vector3i voxel = voxel_at(point / scale_.voxel_m + Eigen::Vector3f::Constant(0.5F));
     const TsdfBlock* block = blocks_.find(voxel_key(voxel));
     if (block == nullptr) continue;
-    if (released_) {
-      found.known += block->drawn != 0 ? 1 : 0;
-      found.agreeing += (block->drawn & drawn_bit(voxel)) != 0 ? 1 : 0;
-      continue;
-    }
     const TsdfVoxel& there = (*block->voxels)[index_in_tsdf_block(voxel)];
     if (there.weight == 0) continue;
     ++found.known;
@@ -58,12 +58,15 @@ ViewAgreement Submap::agreement(std::span<const Eigen::Vector3f> points) const {
   return found;
 }
 
-void Submap::touch(const Eigen::Vector3f& point) {
-  const VoxelKey first = tsdf_block_of(voxel_key(voxel_at(point / scale_.voxel_m)));
+VoxelKey Submap::block_at(const Eigen::Vector3f& point) const {
+  return tsdf_block_of(voxel_key(voxel_at(point / scale_.voxel_m)));
+}
+
+void Submap::touch(VoxelKey block) {
   const auto index = static_cast<uint32_t>(blocks_.all().size());
-  if (blocks_.touch(first) != index) return;
-  chunk_at(chunk_of(first)).blocks.push_back(index);
-  const Eigen::Vector3f corner = voxel_of(first).cast<float>();
+  if (blocks_.touch(block) != index) return;
+  chunk_at(chunk_of(block)).blocks.push_back(index);
+  const Eigen::Vector3f corner = voxel_of(block).cast<float>();
   box_.extend(corner);
   box_.extend(Eigen::Vector3f(corner + Eigen::Vector3f::Constant(kTsdfBlockEdge)));
 }

@@ -55,17 +55,24 @@ class Submap {
   /// Whether a point is within `margin_m` of the box around the blocks.
   [[nodiscard]] bool is_near(const Eigen::Vector3f& point, double margin_m) const;
 
-  /// Whether the surface at a point is this submap's: in one of its blocks, or after its release where it
-  /// shows one.
-  [[nodiscard]] bool owns(const Eigen::Vector3f& point) const;
+  /// Whether the surface at a point that is seen from `eye` is this submap's: in one of its blocks, or after
+  /// its release where it shows one.
+  [[nodiscard]] bool owns(const Eigen::Vector3f& point, const Eigen::Vector3f& eye) const;
 
-  /// Whether its pieces show a surface at a point with that normal, or up to two voxels in front or behind.
-  [[nodiscard]] bool shows(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const;
+  /// Whether its pieces show a surface at a point, or up to two voxels before or behind it along a unit
+  /// vector.
+  [[nodiscard]] bool shows(const Eigen::Vector3f& point, const Eigen::Vector3f& along) const;
 
-  [[nodiscard]] ViewAgreement agreement(std::span<const Eigen::Vector3f> points) const;
+  /// Of points that are seen from `eye`.
+  [[nodiscard]] ViewAgreement agreement(std::span<const Eigen::Vector3f> points,
+                                        const Eigen::Vector3f& eye) const;
 
-  /// Adds the block that contains a point, if it is not there.
-  void touch(const Eigen::Vector3f& point);
+  /// The key of the block that contains a point, and whether it is there.
+  [[nodiscard]] VoxelKey block_at(const Eigen::Vector3f& point) const;
+  [[nodiscard]] bool has_block(VoxelKey block) const { return blocks_.find(block) != nullptr; }
+
+  /// Adds a block, if it is not there.
+  void touch(VoxelKey block);
 
   /// Fuses a view into the blocks that exist.
   void fuse(const FusionView& view, const DepthTiles& tiles, const SE3& T_camera_submap);

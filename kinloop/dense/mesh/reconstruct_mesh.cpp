@@ -54,8 +54,9 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
 }
 
 ColoredMesh simplified_as_asked(const ColoredMesh& mesh, const MeshOptions& options) {
-  if (options.triangles == 0) return options.manifold ? manifold_mesh(mesh) : mesh;
-  ColoredMesh simplified = simplified_mesh(mesh, static_cast<size_t>(options.triangles));
+  const auto smallest = static_cast<size_t>(options.min_component_triangles);
+  if (options.triangles == 0) return options.manifold ? manifold_mesh(mesh, smallest) : mesh;
+  ColoredMesh simplified = simplified_mesh(mesh, static_cast<size_t>(options.triangles), smallest);
   if (simplified.triangles.size() > static_cast<size_t>(options.triangles)) {
     log::warn(
         "the mesh has {} triangles, more than the {} of mesh.triangles: separate pieces cannot be "

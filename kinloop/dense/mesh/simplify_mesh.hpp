@@ -16,13 +16,14 @@ void require_mesh_simplification();
 
 /// Returns the mesh as a manifold with borders, without colours: an edge has at most two triangles, which
 /// agree on the free side, and the triangles around a vertex form one fan. Vertices where surfaces only touch
-/// are duplicated; triangles that are degenerate or appear twice are left out. Throws UsageError if the build
-/// has no CGAL.
-ColoredMesh manifold_mesh(const ColoredMesh& mesh);
+/// are duplicated; triangles that are degenerate or appear twice are left out, and so are pieces that are
+/// separate then and have fewer than `min_component_triangles`. Throws UsageError if the build has no CGAL.
+ColoredMesh manifold_mesh(const ColoredMesh& mesh, size_t min_component_triangles = 0);
 
-/// Returns a manifold mesh, without colours, of at most `max_triangles`, or of as few as its topology allows:
-/// the edges whose collapse changes the shape least are collapsed (Lindstrom and Turk 1998). Throws
-/// UsageError if the build has no CGAL.
-ColoredMesh simplified_mesh(const ColoredMesh& mesh, size_t max_triangles);
+/// Returns such a mesh of at most `max_triangles`, or of as few as its topology allows: the edges whose
+/// collapse changes the shape least are collapsed (Lindstrom and Turk 1998). Throws UsageError if the build
+/// has no CGAL.
+ColoredMesh simplified_mesh(const ColoredMesh& mesh, size_t max_triangles,
+                            size_t min_component_triangles = 0);
 
 }  // namespace kinloop

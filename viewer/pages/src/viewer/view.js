@@ -11,7 +11,7 @@ import { interiorView } from './interior.js';
 
 const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
 const REST_MS = 250; // idle time after which everything is drawn
-const SLICE_MS = 150; // of the frames in which this happens
+const SLICE_MS = 500; // of the frames in which this happens
 const MEASURE_MS = 200; // interval of measuring the map's extent
 const FEWEST = 50_000; // points that are drawn in any case
 const LARGEST = 2.5; // maximum factor on the point size when few points are drawn
@@ -104,7 +104,7 @@ export class View {
     const context = this.renderer.getContext();
     if (this.finished === 0) this.slice = this.share;
     else if (context.getSyncParameter(this.fence, context.SYNC_STATUS) !== context.SIGNALED) return;
-    else this.slice *= Math.min(2, Math.max(0.25, SLICE_MS / Math.max(1, nowMs - this.slicedMs)));
+    else this.slice = Math.max(this.share, this.slice * Math.min(2, SLICE_MS / Math.max(1, nowMs - this.slicedMs)));
     context.deleteSync(this.fence ?? null);
     this.slicedMs = nowMs;
     this.drawSlice(this.finished, Math.min(1, this.finished + this.slice));
@@ -117,7 +117,7 @@ export class View {
     this.drawSlice(0, 1);
   }
 
-  /** Draws a part of everything over what has been drawn of it, and shows the result once it covers surfaces. */
+  /** Draws a part of everything over what has been drawn, and shows it when it covers surfaces, and when it has doubled. */
   drawSlice(from, to) {
     const { eyeDome, renderer, scene, world } = this;
     const { camera } = this.cameraControls;
@@ -125,10 +125,13 @@ export class View {
     world.slice(from, to);
     eyeDome.drawSurfaces(renderer, scene, camera, from > 0);
     world.slice(0, 1);
-    if (to >= COVERING) eyeDome.show(renderer, scene, camera, this.shades);
+    if (from === 0) this.nextShown = COVERING;
+    if (to === 1 || to >= this.nextShown) {
+      this.nextShown = 2 * to;
+      eyeDome.show(renderer, scene, camera, this.shades);
+    }
     this.finished = to;
     if (to < 1) return;
-    this.share = 1;
     this.shaded = this.shades;
     this.shadesMoving = true;
     this.onDrawn();
