@@ -203,8 +203,9 @@ json colorings_of(const SavedRun& run) {
   return colorings;
 }
 
-json status_of(const SavedRun& run) {
+json status_of(const SavedRun& run, const std::optional<AteResult>& ate) {
   json status = {{"stage", "saved"}, {"up", {run.up.x(), run.up.y(), run.up.z()}}};
+  if (ate) status["ateM"] = ate->error_m.rmse;
   if (!run.path.empty()) {
     status["frame"] = run.path.size();
     status["keyframes"] = run.keyframes.size();
@@ -267,9 +268,7 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
                          {"frustum", {run.half_size_at_1m.x(), run.half_size_at_1m.y()}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
-  json status = status_of(run);
-  if (ate) status["ateM"] = ate->error_m.rmse;
-  scene.put(PartKind::kStatus, 0, encode_json(status));
+  scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
   if (const auto timeline = timeline_of(run); !timeline.empty())
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
   if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
@@ -279,6 +278,13 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
   }
   if (!run.mesh.triangles.empty()) scene.put(PartKind::kMesh, 0, encode_mesh(run.mesh));
   if (!run.model.empty()) scene.put(PartKind::kModel, 0, {run.model.begin(), run.model.end()});
+}
+
+void show_notice(Scene& scene, const SavedRun& run, const Notice& notice) {
+  json status = status_of(run, absolute_trajectory_error(run.path, run.truth));
+  status["message"] = notice.text;
+  status["busy"] = notice.busy;
+  scene.put(PartKind::kStatus, 0, encode_json(status));
 }
 
 }  // namespace kinloop
