@@ -1,19 +1,22 @@
 // kinloop view: shows the results of a run in a browser.
 
+#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
+#include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "apps/map/compare_maps.hpp"
+#include "apps/map/withdraw_from_file.hpp"
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/commands.hpp"
 #include "apps/shared/interrupt.hpp"
 #include "apps/shared/progress_bar.hpp"
-#include "kinloop/back_end/executor.hpp"
+#include "apps/view/shown_feed.hpp"
 #include "kinloop/core/log.hpp"
 #include "viewer/comparison.hpp"
 #include "viewer/keyframe_images.hpp"
@@ -23,45 +26,32 @@
 namespace kinloop {
 namespace {
 
+constexpr std::chrono::milliseconds kBetweenCommands{50};
+
 struct ViewArguments {
   std::filesystem::path path, compared;  ///< the second: empty unless two maps are compared
   std::string listen;
 };
 
-/// What a page shows: first the map, then the images, which take longer to read.
-struct Shown {
-  std::function<void(Scene&)> show;
-  std::function<std::vector<KeyframeImage>()> read_images;
-};
+Shown shown_run(const std::filesystem::path& path, std::string greeting = "");
 
-/// Fills the scene.
-class ShownFeed {
- public:
-  explicit ShownFeed(const Shown& shown)
-      : show_(shown.show), executor_(make_executor({.mode = ExecutorMode::kLive})) {
-    executor_->submit({},
-                      {.kind = "keyframe images", .work = [this, read = shown.read_images]() -> Completion {
-                         return [this, images = read()] { images_ = images; };
-                       }});
-  }
+/// Writes the map without a loop beside it, and shows that.
+Shown shown_without(const std::filesystem::path& map, const std::string& loop) {
+  const auto output = free_withdrawn_name(map);
+  withdraw_from_file({map, output, {loop}}, interruptible(make_progress_bar(false)));
+  log::info("{}: without the loop {}", output.string(), loop);
+  return shown_run(output, fmt::format("The map without the loop is {}.", output.filename().string()));
+}
 
-  void update(Scene& scene) {
-    if (const auto show = std::exchange(show_, {})) return show(scene);
-    for (const FinishedJob& job : executor_->collect({})) job.complete();
-    for (KeyframeImage& image : std::exchange(images_, {}))
-      scene.put(PartKind::kKeyframeImage, image.keyframe, std::move(image.jpeg));
-  }
-
- private:
-  std::function<void(Scene&)> show_;    // until it is done
-  std::vector<KeyframeImage> images_;   // read, not shown yet
-  std::unique_ptr<Executor> executor_;  // last member: its job uses the others
-};
-
-Shown shown_run(const std::filesystem::path& path) {
+Shown shown_run(const std::filesystem::path& path, std::string greeting) {
   const auto run = std::make_shared<const SavedRun>(read_shown(path, make_progress_bar(false)));
-  return {[run](Scene& scene) { show_saved_run(scene, *run); },
-          [run, path] { return keyframe_images_of(path, run->keyframes); }};
+  Shown shown{.show = [run](Scene& scene) { show_saved_run(scene, *run); },
+              .read_images = [run, path] { return keyframe_images_of(path, run->keyframes); },
+              .tell = [run](Scene& scene, const Notice& notice) { show_notice(scene, *run, notice); },
+              .greeting = std::move(greeting)};
+  if (!run->map_file.empty())
+    shown.withdraw = [map = run->map_file](const std::string& loop) { return shown_without(map, loop); };
+  return shown;
 }
 
 Shown shown_comparison(const MergeRequest& maps) {
@@ -77,7 +67,8 @@ Shown shown_comparison(const MergeRequest& maps) {
     }
     return images;
   };
-  return {[compared](Scene& scene) { show_comparison(scene, *compared); }, read_images};
+  return {.show = [compared](Scene& scene) { show_comparison(scene, *compared); },
+          .read_images = read_images};
 }
 
 void view(const ViewArguments& arguments) {
@@ -86,10 +77,14 @@ void view(const ViewArguments& arguments) {
                      ? shown_run(arguments.path)
                      : shown_comparison({.a = arguments.path, .b = arguments.compared}));
   const ViewerService service(
-      listen, [&](Scene& scene, size_t) { feed.update(scene); }, [](Command) {});
+      listen, [&](Scene& scene, size_t) { feed.update(scene); },
+      [&](const Command& command) { feed.take(command); });
   install_interrupt_handler();
   log::info("viewer at {}; press Ctrl-C to stop", service.url());
-  wait_for_interrupt();
+  while (!interrupted()) {
+    feed.work();
+    std::this_thread::sleep_for(kBetweenCommands);
+  }
 }
 
 }  // namespace

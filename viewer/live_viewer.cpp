@@ -7,7 +7,7 @@ LiveViewer::LiveViewer(const ListenAddress& listen, RunInfo info)
       control_(info_.options.paused),
       service_(
           listen, [this](Scene& scene, size_t browsers) { update(scene, browsers); },
-          [this](Command command) { dispatch(command); }) {}
+          [this](const Command& command) { dispatch(command); }) {}
 
 void LiveViewer::set_stage(const std::string& stage, const std::string& message) {
   const std::lock_guard lock(mutex_);
@@ -41,16 +41,18 @@ void LiveViewer::update(Scene& scene, size_t browsers) {
   run_scene_->update(feed_.take(), state, browsers > 0);
 }
 
-void LiveViewer::dispatch(Command command) {
-  switch (command) {
-    case Command::kPause:
+void LiveViewer::dispatch(const Command& command) {
+  switch (command.kind) {
+    case CommandKind::kPause:
       return control_.pause();
-    case Command::kResume:
+    case CommandKind::kResume:
       return control_.resume();
-    case Command::kStep:
+    case CommandKind::kStep:
       return control_.step();
-    case Command::kSave:
+    case CommandKind::kSave:
       return control_.request_save();
+    case CommandKind::kWithdrawLoop:
+      return;  // a map that grows is not edited
   }
 }
 

@@ -47,7 +47,7 @@ class LiveViewer {
 
  private:
   void update(Scene& scene, size_t browsers);
-  void dispatch(Command command);
+  void dispatch(const Command& command);
 
   RunInfo info_;
   RunControl control_;

@@ -211,8 +211,9 @@ json colorings_of(const SavedRun& run) {
   return colorings;
 }
 
-json status_of(const SavedRun& run) {
+json status_of(const SavedRun& run, const std::optional<AteResult>& ate) {
   json status = {{"stage", "saved"}, {"up", {run.up.x(), run.up.y(), run.up.z()}}};
+  if (ate) status["ateM"] = ate->error_m.rmse;
   if (!run.path.empty()) {
     status["frame"] = run.path.size();
     status["keyframes"] = run.keyframes.size();
@@ -289,6 +290,7 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
                          {"frustum", {run.half_size_at_1m.x(), run.half_size_at_1m.y()}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
+<<<<<<< HEAD
   json status = status_of(run);
   if (ate) status["ateM"] = ate->error_m.rmse;
   scene.put(PartKind::kStatus, 0, encode_json(status));
@@ -296,11 +298,22 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
   show_pieces(scene, pieces, 0, std::min<size_t>(1, pieces.size()));  // the first picture
   show_coarsely(scene, run.mesh);
   if (const auto timeline = timeline_of(run, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
+=======
+  scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
+  if (const auto timeline = timeline_of(run); !timeline.empty())
+>>>>>>> loops37
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
   if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
   show_pieces(scene, pieces, 1, pieces.size());
   if (!run.mesh.triangles.empty()) scene.put(PartKind::kMesh, 0, encode_mesh(run.mesh));
   if (!run.model.empty()) scene.put(PartKind::kModel, 0, {run.model.begin(), run.model.end()});
+}
+
+void show_notice(Scene& scene, const SavedRun& run, const Notice& notice) {
+  json status = status_of(run, absolute_trajectory_error(run.path, run.truth));
+  status["message"] = notice.text;
+  status["busy"] = notice.busy;
+  scene.put(PartKind::kStatus, 0, encode_json(status));
 }
 
 }  // namespace kinloop

@@ -49,7 +49,16 @@ SavedRun read_frames_and_truth(const std::filesystem::path& path);
 /// Returns the frames of a run for its timeline, with those errors; without a frame table, those of the path.
 std::vector<TimelineFrame> timeline_of(const SavedRun& run, std::span<const PoseError> errors = {});
 
+/// What the page tells beside the figures.
+struct Notice {
+  std::string text;
+  bool busy = false;  ///< a command of the page is being carried out
+};
+
 /// Fills the scene with it.
 void show_saved_run(Scene& scene, const SavedRun& run);
+
+/// Shows a notice in a scene that shows the run.
+void show_notice(Scene& scene, const SavedRun& run, const Notice& notice);
 
 }  // namespace kinloop

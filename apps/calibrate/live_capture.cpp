@@ -42,7 +42,8 @@ WireBytes corners_of(const CaptureFeedback& feedback) {
 CapturePreview::CapturePreview(const ListenAddress& listen, std::string source)
     : source_(std::move(source)),
       service_(
-          listen, [this](Scene& scene, size_t browsers) { update(scene, browsers); }, [](Command) {}) {}
+          listen, [this](Scene& scene, size_t browsers) { update(scene, browsers); }, [](const Command&) {}) {
+}
 
 void CapturePreview::show(const cv::Mat& color, const CaptureFeedback& feedback) {
   const std::lock_guard lock(mutex_);

@@ -5,6 +5,7 @@
 #include "apps/shared/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "session/restore_surfaces.hpp"
 #include "session/run_plan.hpp"
 
 namespace kinloop {
@@ -17,6 +18,8 @@ MergedMaps merge_maps(const MergeRequest& request, const Progress& progress) {
   if (a.camera.depth_scale != b.camera.depth_scale)
     throw InputError(fmt::format("{}: depth in {} units per metre, but {} in {}", path_b.string(),
                                  b.camera.depth_scale, a.camera.depth_scale, path_a.string()));
+  restore_surfaces(a, reader_a);
+  restore_surfaces(b, reader_b);
   MergedMaps merged;
   merged.camera = a.camera;
   merged.options = restore_options(a, path_a);

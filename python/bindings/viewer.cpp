@@ -30,7 +30,7 @@ class PyViewer {
         [this](Scene& scene, size_t) {
           if (!std::exchange(shown_, true)) show_saved_run(scene, run_);
         },
-        [](Command) {});
+        [](const Command&) {});
     url_ = service_->url();
   }
 

@@ -388,6 +388,9 @@ TEST_F(MapCommand, WithdrawnLoopsPartTheMapsThatTheyJoined) {
 
   const SavedMap parted = MapReader(at("parted.kinmap")).read().first;
   EXPECT_TRUE(parted.map.loop_closures.empty());
+  ASSERT_EQ(parted.map.other_loops.size(), joined.map.loop_closures.size()) << "the map remembers them";
+  EXPECT_EQ(parted.map.other_loops[0].stage, LoopStage::kWithdrawn);
+  EXPECT_EQ(parted.map.other_loops[0].reason, LoopReason::kByUser);
   std::set<uint32_t> components;
   for (const Keyframe& keyframe : parted.map.keyframes) components.insert(keyframe.component);
   EXPECT_EQ(components.size(), 2U);

@@ -72,7 +72,7 @@ function start(args) {
   process_.stdout.on('data', (data) => (child.text += data));
   process_.stderr.on('data', (data) => (child.text += data));
   child.ended = new Promise((resolve) => process_.on('exit', resolve));
-  child.url = () => until(() => child.text.match(/http:\S+\/\S*/)?.[0], () => `kinloop tells where to look: ${child.text}`);
+  child.url = () => until(() => child.text.match(/http:\S+\/[^\s;]*/)?.[0], () => `kinloop tells where to look: ${child.text}`);
   return child;
 }
 

@@ -1,7 +1,7 @@
 // The loops of a saved run: the list, its filter, and the selection by mouse and by keys.
 
 import assert from 'node:assert/strict';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
@@ -139,6 +139,23 @@ async function checkPhone(page, shoot) {
   await shoot(page, 'loops-phone');
 }
 
+/** Takes the first accepted loop out of the map that a page shows. */
+async function checkWithdrawal(page, file, before) {
+  const old = readFileSync(file);
+  await page.locator('#loopList [role=option]', { hasText: /^\s*accepted/ }).first().click();
+  const shownRun = () => page.evaluate(() => window.kinloop.connection.run);
+  const run = await shownRun();
+  await page.click('#withdraw');
+  await until(async () => (await shownRun()) !== run, 'another scene');
+  await until(async () => (await page.textContent('#message')).includes('map_withdrawn.kinmap'), 'the page names the new map');
+  await until(async () => (await rows(page)).filter((text) => text.startsWith('accepted')).length === before - 1, 'one loop less');
+  await page.getByLabel(/^withdrawn 1/).check();
+  assert.match((await rows(page)).join(), /withdrawn[^]*it was taken out by hand/);
+  assert.ok(existsSync(file.replace('.kinmap', '_withdrawn.kinmap')));
+  assert.ok(old.equals(readFileSync(file)), 'the old map is as it was');
+  await until(async () => (await seen(page)).points > 10_000, 'the cloud of the new map');
+}
+
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const out = join(folder, 'out');
   assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
@@ -159,11 +176,20 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   await checkPhone(page, shoot);
   await page.close();
 
-  // The map alone has the accepted ones; a cloud has none.
-  const map = await open(await kinloop('view', join(out, 'map.kinmap'), '--port', '0').url());
-  await until(async () => (await rows(map)).length === loops.accepted.length, 'those of the map');
-  assert.ok((await rows(map)).every((text) => text.startsWith('accepted')));
+  // The map alone has its own ones; a cloud has none.
+  const file = join(out, 'map.kinmap');
+  const url = await kinloop('view', file, '--port', '0').url();
+  const map = await open(url);
+  const accepted = async () => (await rows(map)).filter((text) => text.startsWith('accepted'));
+  await until(async () => (await accepted()).length === loops.accepted.length, 'those of the map');
+  await until(() => map.evaluate(() => window.kinloop.world.pictures.count > 10), 'the images are there');
+  await checkWithdrawal(map, file, loops.accepted.length);
   await map.close();
+  const spectator = await open(url.replace(/\?.*/, ''));
+  await until(async () => (await rows(spectator)).length > 0, 'the loops are there');
+  await spectator.locator('#loopList [role=option]').first().click();
+  assert.equal(await spectator.isVisible('#withdraw'), false, 'without the token');
+  await spectator.close();
   const cloud = await open(await kinloop('view', join(out, 'map.ply'), '--port', '0').url());
   await until(async () => (await seen(cloud)).points > 10_000, 'the cloud is there');
   assert.equal(await cloud.isVisible('#loops'), false);

@@ -46,6 +46,18 @@ TEST(Scene, WhatStaysTheSameIsNotSentAgain) {
   EXPECT_THAT(versions_after(scene, 0), ElementsAre(1));
 }
 
+TEST(Scene, AnotherOneFollowsWithVersionsThatNoBrowserHasSeen) {
+  Scene scene("run");
+  scene.put(PartKind::kCloud, 0, {1});
+  scene.put(PartKind::kPath, 0, {2});
+  scene.restart("other");
+  EXPECT_EQ(scene.run(), "other");
+  EXPECT_EQ(scene.bytes(), 0U);
+  EXPECT_THAT(versions_after(scene, 0), ElementsAre());
+  scene.put(PartKind::kPath, 0, {2});
+  EXPECT_THAT(versions_after(scene, 2), ElementsAre(3)) << "a browser that has the first scene receives it";
+}
+
 TEST(Scene, HoldsNoMoreThanItsParts) {
   Scene scene("run");
   for (uint8_t i = 0; i < 200; ++i) scene.put(PartKind::kColorImage, 0, WireBytes(1000, i));

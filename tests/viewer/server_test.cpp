@@ -30,7 +30,7 @@ class Served {
   explicit Served(const std::string& listen = "0")
       : service_(
             parse_listen_address(listen), [this](Scene& scene, size_t) { update(scene); },
-            [this](Command command) {
+            [this](const Command& command) {
               const std::lock_guard lock(mutex_);
               commands_.push_back(command);
             }) {}
@@ -258,8 +258,17 @@ TEST(ViewerServer, DispatchesCommands) {
   ASSERT_TRUE(client.open_feed(served.feed()));
   for (const char* name : {"pause", "step", "resume", "save"}) client.send(command_frame(name));
   EXPECT_TRUE(becomes([&] { return served.commands().size() == 4; }));
-  EXPECT_THAT(served.commands(),
-              ElementsAre(Command::kPause, Command::kStep, Command::kResume, Command::kSave));
+  EXPECT_THAT(served.commands(), ElementsAre(Command{CommandKind::kPause}, Command{CommandKind::kStep},
+                                             Command{CommandKind::kResume}, Command{CommandKind::kSave}));
+}
+
+TEST(ViewerServer, DispatchesTheLoopToBeWithdrawn) {
+  Served served;
+  RawClient client(served.port());
+  ASSERT_TRUE(client.open_feed(served.feed()));
+  client.send(text_frame(R"({"command": "withdraw", "loop": "12.3,45.6"})"));
+  EXPECT_TRUE(becomes([&] { return served.commands().size() == 1; }));
+  EXPECT_THAT(served.commands(), ElementsAre(Command{CommandKind::kWithdrawLoop, "12.3,45.6"}));
 }
 
 TEST(ViewerServer, OtherUsersOfTheMachineMayLookButNotControl) {

@@ -2,6 +2,13 @@
 
 namespace kinloop {
 
+void Scene::restart(std::string run) {
+  run_ = std::move(run);
+  parts_.clear();
+  version_of_.clear();
+  bytes_ = 0;
+}
+
 void Scene::put(PartKind kind, uint32_t index, WireBytes body) {
   auto [known, is_new] = version_of_.try_emplace({kind, index}, 0);
   if (!is_new) {

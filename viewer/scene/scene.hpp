@@ -32,6 +32,10 @@ class Scene {
 
   [[nodiscard]] const std::string& run() const { return run_; }
 
+  /// Drops all parts: what follows is another scene, which browsers show instead of what they have. The hello
+  /// with the new `run` must be put first.
+  void restart(std::string run);
+
   /// Replaces a part; does nothing if it is unchanged.
   void put(PartKind kind, uint32_t index, WireBytes body);
 

@@ -9,12 +9,16 @@ namespace kinloop {
 
 std::optional<Command> parse_command(std::string_view message) {
   const auto json = nlohmann::json::parse(message, nullptr, false);
-  if (!json.is_object() || !json.contains("command") || !json["command"].is_string()) return std::nullopt;
-  const std::string name = json["command"];
-  if (name == "pause") return Command::kPause;
-  if (name == "resume") return Command::kResume;
-  if (name == "step") return Command::kStep;
-  if (name == "save") return Command::kSave;
+  const auto text = [&](const char* key) {
+    const bool known = json.is_object() && json.contains(key) && json[key].is_string();
+    return known ? json[key].get<std::string>() : std::string();
+  };
+  const std::string name = text("command"), loop = text("loop");
+  if (name == "pause") return Command{CommandKind::kPause};
+  if (name == "resume") return Command{CommandKind::kResume};
+  if (name == "step") return Command{CommandKind::kStep};
+  if (name == "save") return Command{CommandKind::kSave};
+  if (name == "withdraw" && !loop.empty()) return Command{CommandKind::kWithdrawLoop, loop};
   return std::nullopt;
 }
 

@@ -2,14 +2,23 @@
 
 #include <chrono>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace kinloop {
 
-/// Commands of browsers; anything else ends the connection.
-enum class Command { kPause, kResume, kStep, kSave };
+enum class CommandKind { kPause, kResume, kStep, kSave, kWithdrawLoop };
 
-/// Parses a message {"command": "pause"}; nullopt if it is not a command.
+/// What a browser asks for; anything else ends the connection.
+struct Command {
+  CommandKind kind = CommandKind::kPause;
+  std::string loop = {};  ///< to be withdrawn: the stamps of its keyframes, "12.3,45.6"
+
+  bool operator==(const Command&) const = default;
+};
+
+/// Parses a message {"command": "pause"} or {"command": "withdraw", "loop": "12.3,45.6"}; nullopt if it is
+/// not a command.
 std::optional<Command> parse_command(std::string_view message);
 
 /// Limits the commands of one browser: 100 at once, 20 a second on average (a held key repeats 30 times a

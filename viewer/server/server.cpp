@@ -70,7 +70,7 @@ FeedPosition received_by(const RequestTarget& target, const Scene& scene) {
 }  // namespace
 
 ViewerServer::ViewerServer(asio::io_context& context, const ListenAddress& listen, const Scene& scene,
-                           std::function<void(Command)> on_command)
+                           std::function<void(const Command&)> on_command)
     : scene_(scene),
       on_command_(std::move(on_command)),
       acceptor_(listen_at(context, listen)),
@@ -129,9 +129,9 @@ bool ViewerServer::accept_websocket(ClientStream& stream, const HttpSession::Upg
   });
   if (browsers_.size() >= kMaxBrowsers) return false;
   if (!upgrade.may_control && static_cast<size_t>(spectators) >= kMaxSpectators) return false;
-  const auto browser =
-      std::make_shared<WebSocketSession>(std::move(stream), scene_, received_by(upgrade.target, scene_),
-                                         upgrade.may_control ? on_command_ : std::function<void(Command)>());
+  const auto browser = std::make_shared<WebSocketSession>(
+      std::move(stream), scene_, received_by(upgrade.target, scene_),
+      upgrade.may_control ? on_command_ : std::function<void(const Command&)>());
   browsers_.push_back(browser);
   browser->start(upgrade.request);
   return true;

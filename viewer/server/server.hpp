@@ -46,7 +46,7 @@ class ViewerServer {
 
   /// Starts listening. Throws InputError if the address is not available. The scene must outlive this object.
   ViewerServer(boost::asio::io_context& context, const ListenAddress& listen, const Scene& scene,
-               std::function<void(Command)> on_command);
+               std::function<void(const Command&)> on_command);
 
   /// URL of the page, with the token if there is one.
   [[nodiscard]] std::string url() const;
@@ -64,7 +64,7 @@ class ViewerServer {
   bool accept_websocket(ClientStream& stream, const HttpSession::Upgrade& upgrade);
 
   const Scene& scene_;
-  std::function<void(Command)> on_command_;
+  std::function<void(const Command&)> on_command_;
   boost::asio::ip::tcp::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   AccessPolicy rules_;

@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kBetweenUpdates{50};
 class ViewerService::Impl {
  public:
   Impl(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,
-       std::function<void(Command)> on_command)
+       std::function<void(const Command&)> on_command)
       : scene_(random_token()),
         update_(std::move(update)),
         timer_(context_),
@@ -73,7 +73,7 @@ class ViewerService::Impl {
 };
 
 ViewerService::ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,
-                             std::function<void(Command)> on_command)
+                             std::function<void(const Command&)> on_command)
     : impl_(std::make_unique<Impl>(listen, std::move(update), std::move(on_command))) {}
 
 ViewerService::~ViewerService() = default;

@@ -17,7 +17,7 @@ class ViewerService {
   /// Both are called on the service's thread, which alone accesses the scene. Throws InputError if the
   /// address is not available.
   ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t browsers)> update,
-                std::function<void(Command)> on_command);
+                std::function<void(const Command&)> on_command);
   ~ViewerService();
   ViewerService(const ViewerService&) = delete;
   ViewerService& operator=(const ViewerService&) = delete;

@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kIdleTimeout{60};  // a ping is sent after half o
 }  // namespace
 
 WebSocketSession::WebSocketSession(ClientStream stream, const Scene& scene, const FeedPosition& position,
-                                   std::function<void(Command)> on_command)
+                                   std::function<void(const Command&)> on_command)
     : socket_(std::move(stream)), scene_(scene), position_(position), on_command_(std::move(on_command)) {}
 
 void WebSocketSession::start(const Request& request) {
@@ -86,7 +86,7 @@ void WebSocketSession::read_next() {
   });
 }
 
-void WebSocketSession::take_command(Command command) {
+void WebSocketSession::take_command(const Command& command) {
   if (!may_control()) return refuse("Open the URL that kinloop printed to control the run.");
   if (!rate_.allows(std::chrono::steady_clock::now())) return refuse("Too many commands.");
   on_command_(command);

@@ -30,7 +30,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   /// `on_command` is empty if the browser may not control the run. The scene must outlive the connection's
   /// handlers.
   WebSocketSession(ClientStream stream, const Scene& scene, const FeedPosition& position,
-                   std::function<void(Command)> on_command);
+                   std::function<void(const Command&)> on_command);
 
   /// Accepts the upgrade request and starts sending.
   void start(const Request& request);
@@ -44,13 +44,13 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   bool begin_part();
   void send_piece();
   void read_next();
-  void take_command(Command command);
+  void take_command(const Command& command);
   void refuse(const char* reason);
 
   boost::beast::websocket::stream<ClientStream> socket_;
   const Scene& scene_;
   FeedPosition position_;
-  std::function<void(Command)> on_command_;
+  std::function<void(const Command&)> on_command_;
   CommandRate rate_;
   boost::beast::flat_buffer received_;
   std::array<uint8_t, kHeaderBytes> header_{};

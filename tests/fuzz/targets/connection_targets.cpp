@@ -20,7 +20,7 @@ class Browser {
     require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) == 0, "socketpair");
     own_end_ = ends[0];
     auto upgrade = [this](ClientStream& stream, const HttpSession::Upgrade& request) {
-      std::make_shared<WebSocketSession>(std::move(stream), scene_, FeedPosition{}, [](Command) {
+      std::make_shared<WebSocketSession>(std::move(stream), scene_, FeedPosition{}, [](const Command&) {
       })->start(request.request);
       return true;
     };

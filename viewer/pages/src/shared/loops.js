@@ -11,6 +11,7 @@ const REASONS = {
   'different scale': 'the place has another size in each visit',
   'does not fit': 'odometry, loops or surfaces contradict it',
   'looks different': 'views that should show the same do not',
+  'by the user': 'it was taken out by hand',
 };
 
 /** A sentence without its full stop; empty if the reason is unknown. */

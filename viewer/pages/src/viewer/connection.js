@@ -59,8 +59,13 @@ export class Connection {
     this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
   }
 
-  /** Sends a command to the run: 'pause', 'resume', 'step', 'save'. */
-  send(command) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ command }));
+  /** Whether kinloop takes commands of this page. */
+  get mayCommand() {
+    return new URLSearchParams(location.search).has('token');
+  }
+
+  /** Sends a command: 'pause', 'resume', 'step', 'save'; 'withdraw' with { loop: 'STAMP,STAMP' }. */
+  send(command, what = {}) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ command, ...what }));
   }
 }

@@ -10,11 +10,12 @@ const at = (id) => document.getElementById(id);
 const SHOWN_AT_FIRST = ['accepted', 'provisional'];
 
 export class Loops {
-  constructor({ world, view, timeline }) {
-    Object.assign(this, { world, view, timeline });
+  constructor({ world, view, timeline, connection }) {
+    Object.assign(this, { world, view, timeline, connection });
     this.list = new SelectList(at('loopList'), (loop) => this.select(loop));
     at('closeLoop').onclick = () => this.deselect();
     at('copyWithdrawal').onclick = () => this.copyCommand();
+    at('withdraw').onclick = () => this.withdraw();
     this.clear();
   }
 
@@ -23,7 +24,27 @@ export class Loops {
     this.list.show([]);
     this.chosen = new Set(SHOWN_AT_FIRST);
     at('loops').hidden = true;
+    this.setBusy(false);
     this.deselect();
+  }
+
+  /** While kinloop takes a loop out, no other one can be taken out. */
+  setBusy(busy) {
+    at('withdraw').disabled = busy;
+    at('withdraw').textContent = busy ? 'Taking it out\u2026' : 'Take it out';
+  }
+
+  /** Kinloop does not take commands of this page. */
+  refuse(reason) {
+    this.setBusy(true);
+    Object.assign(at('withdraw'), { textContent: 'Take it out', title: reason });
+  }
+
+  /** Lets kinloop take the selected loop out of the map; the page then shows the new map. */
+  withdraw() {
+    const { stampA, stampB } = this.loops[this.selected];
+    this.setBusy(true);
+    this.connection.send('withdraw', { loop: `${stampA},${stampB}` });
   }
 
   take({ loops, map }) {
@@ -144,6 +165,7 @@ export class Loops {
     const output = this.map.replace(/(\.kinmap)?$/, '_withdrawn.kinmap');
     at('withdrawalCommand').textContent = `kinloop map withdraw ${quoted(this.map)} --loop ${stampA},${stampB} -o ${quoted(output)}`;
     at('copyWithdrawal').textContent = 'Copy';
+    at('withdraw').hidden = !this.connection.mayCommand;
   }
 
   async copyCommand() {

@@ -31,7 +31,10 @@ const recording = document.getElementById('recording').textContent;
 const listener = {
   onMessage,
   onChange: (connected) => panel.state.setConnected(connected),
-  onRefused: (reason) => panel.state.refuseControl(reason),
+  onRefused: (reason) => {
+    panel.state.refuseControl(reason);
+    panel.loops.refuse(reason);
+  },
   onProblem: (text) => panel.state.showProblem(text),
 };
 const connection = recording ? new Recording(recording, listener) : new Connection(listener);
@@ -43,6 +46,7 @@ let loops = 0;
 function onMessage(message) {
   if (message.kind === 'hello') onHello(message.body);
   if (message.kind === 'status') panel.state.show(message.body);
+  if (message.kind === 'status') panel.loops.setBusy(message.body.busy ?? false);
   if (message.kind === 'loops') showLoopBanner(message.body.length / 2);
   world.take(message);
   if (message.kind === 'timeline') timeline.take(message.body, message.index);

@@ -24,6 +24,10 @@ export class Recording {
   }
 
   /** Nobody hears commands. */
+  get mayCommand() {
+    return false;
+  }
+
   send() {}
 }
 
