@@ -290,18 +290,11 @@ void show_saved_run(Scene& scene, const SavedRun& run) {
                          {"frustum", {run.half_size_at_1m.x(), run.half_size_at_1m.y()}}}));
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
-<<<<<<< HEAD
-  json status = status_of(run);
-  if (ate) status["ateM"] = ate->error_m.rmse;
-  scene.put(PartKind::kStatus, 0, encode_json(status));
+  scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
   const std::vector<CloudPiece> pieces = split_into_pieces(run.cloud);
   show_pieces(scene, pieces, 0, std::min<size_t>(1, pieces.size()));  // the first picture
   show_coarsely(scene, run.mesh);
   if (const auto timeline = timeline_of(run, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
-=======
-  scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
-  if (const auto timeline = timeline_of(run); !timeline.empty())
->>>>>>> loops37
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
   if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
   show_pieces(scene, pieces, 1, pieces.size());
