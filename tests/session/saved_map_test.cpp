@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "tests/slam/recording.hpp"
 #include "tests/support/temp_folder.hpp"
