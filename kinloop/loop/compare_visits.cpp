@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
 
+View view_of(const Keyframe& keyframe) {
+  return {*keyframe.features, keyframe.surfaces.get()};
+}
+
 }  // namespace
 
 const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
@@ -30,7 +34,7 @@ std::optional<ViewComparison> compare_aligned(const Keyframe& a, const Keyframe&
                                               double away_m, const Sensor& sensor) {
   // 2 to 3 % of the path, see drift.cpp.
   const DriftBound drift{0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
-  const View view_a{*a.features, a.surfaces.get()}, view_b{*b.features, b.surfaces.get()};
+  const View view_a = view_of(a), view_b = view_of(b);
   const auto aligned = align_views(view_a, view_b, {T_a_b, drift}, sensor);
   if (!aligned) return std::nullopt;
   return ViewComparison{appearance_p_value(view_a, view_b, aligned->T_reference_camera, sensor.camera),
@@ -53,7 +57,7 @@ RoomComparison compare_components(const Map& map, const LoopClosure& loop, const
     if (other == nullptr) continue;
     const double away_m = (keyframe.T_world_camera.translation - b.T_world_camera.translation).norm();
     const SE3 T_other_camera = other->T_world_camera.inverse() * T_world_camera;
-    comparison.depths += compare_depths(*other->features, *keyframe.features, T_other_camera, sensor,
+    comparison.depths += compare_depths(view_of(*other), view_of(keyframe), T_other_camera, sensor,
                                         kSigma_m + kDriftPerMetre * away_m);
     const auto views = compare_aligned(*other, keyframe, T_other_camera, away_m, sensor);
     if (views) comparison.looks.add(*views);

@@ -40,7 +40,7 @@ LocationEvidence compare_with_views(const Map& map, uint32_t component, Keyframe
   for (size_t i = 0; i < count; ++i) {
     const Keyframe& view = map.keyframe(views[i].second);
     const SE3 T_view_camera = view.T_world_camera.inverse() * T_world_camera;
-    evidence.depths += compare_depths(*view.features, features, T_view_camera, sensor, kPositionSigma_m);
+    evidence.depths += compare_depths({*view.features}, {features}, T_view_camera, sensor, kPositionSigma_m);
     if (i < kViewsOfAppearance)
       p_values.push_back(appearance_p_value({*view.features}, {features}, T_view_camera, sensor.camera));
   }

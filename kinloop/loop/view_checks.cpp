@@ -43,9 +43,10 @@ std::optional<double> inverse_depth_difference(const Eigen::Vector2d& pixel, dou
   return least;
 }
 
-/// Compares the keypoints of `points` with the surfaces of `view`.
-DepthConsistency check_against_view(const Features& view, const Features& points, const SE3& T_view_points,
+/// Compares the keypoints at rest of `points_view` with the surfaces of `view`.
+DepthConsistency check_against_view(const Features& view, const View& points_view, const SE3& T_view_points,
                                     const Sensor& sensor, double position_sigma_m) {
+  const Features& points = points_view.features;
   const DepthNoise& noise = sensor.noise.plane;
   const FeatureGrid grid(view, sensor.camera.width, sensor.camera.height);
   DepthConsistency depths;
@@ -53,7 +54,7 @@ DepthConsistency check_against_view(const Features& view, const Features& points
   for (uint32_t i = 0; i < points.size(); ++i) {
     if (!on_plane(points, i)) continue;
     const auto seen = reproject(points, i, T_view_points, sensor.camera, 0);
-    if (!seen) continue;
+    if (!seen || !is_at_rest(seen->p_source, points_view)) continue;
     const auto before = inverse_depth_difference(seen->pixel, 1 / seen->p_view.z(), view, grid, near);
     if (!before) continue;
     // d(1/z) = dz / z^2 for the noise of the point and of the pose, plus the noise of the surface.
@@ -198,10 +199,10 @@ DepthConsistency& DepthConsistency::operator+=(const DepthConsistency& other) {
   return *this;
 }
 
-DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b, const Sensor& sensor,
+DepthConsistency compare_depths(const View& a, const View& b, const SE3& T_a_b, const Sensor& sensor,
                                 double position_sigma_m) {
-  DepthConsistency depths = check_against_view(a, b, T_a_b, sensor, position_sigma_m);
-  depths += check_against_view(b, a, T_a_b.inverse(), sensor, position_sigma_m);
+  DepthConsistency depths = check_against_view(a.features, b, T_a_b, sensor, position_sigma_m);
+  depths += check_against_view(b.features, a, T_a_b.inverse(), sensor, position_sigma_m);
   return depths;
 }
 

@@ -21,20 +21,20 @@ struct DepthConsistency {
   DepthConsistency& operator+=(const DepthConsistency& other);
 };
 
-/// Compares the keypoints of each view with the planes measured around the keypoints of the other, within the
-/// noise of depth and the standard deviation of the relative position.
-DepthConsistency compare_depths(const Features& a, const Features& b, const SE3& T_a_b, const Sensor& sensor,
-                                double position_sigma_m);
-
-/// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
-/// which is impossible in a scene of solid objects.
-bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio);
-
 /// What a view shows.
 struct View {
   const Features& features;
   const SurfaceGrid* surfaces = nullptr;  ///< of what is at rest; null if they are not known
 };
+
+/// Compares the keypoints at rest of each view with the planes measured around the keypoints of the other,
+/// within the noise of depth and the standard deviation of the relative position.
+DepthConsistency compare_depths(const View& a, const View& b, const SE3& T_a_b, const Sensor& sensor,
+                                double position_sigma_m);
+
+/// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
+/// which is impossible in a scene of solid objects.
+bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio);
 
 /// Returns whether a point of a view is on a surface at rest; true if the surfaces are not known.
 bool is_at_rest(const Eigen::Vector3d& p_view, const View& view);

@@ -68,7 +68,7 @@ class DepthCheck : public testing::Test {
   /// Compares views of two scenes as if they were one.
   DepthConsistency compare(const Scene& scene_a, const SE3& T_world_a, const Scene& scene_b,
                            const SE3& T_world_b, const SE3& error = {}) const {
-    return compare_depths(seen(scene_a, camera_, T_world_a, 1), seen(scene_b, camera_, T_world_b, 2),
+    return compare_depths({seen(scene_a, camera_, T_world_a, 1)}, {seen(scene_b, camera_, T_world_b, 2)},
                           T_world_a.inverse() * T_world_b * error, Sensor{camera_}, kPositionSigma_m);
   }
 
@@ -123,8 +123,8 @@ TEST_F(DepthCheck, IsSymmetric) {
   other.wall_m = 3.4;
   const Features a = seen(scene_, camera_, T_world_a_, 1), b = seen(other, camera_, T_world_b_, 2);
   const SE3 T_a_b = T_world_a_.inverse() * T_world_b_;
-  const auto forth = compare_depths(a, b, T_a_b, Sensor{camera_}, kPositionSigma_m);
-  const auto back = compare_depths(b, a, T_a_b.inverse(), Sensor{camera_}, kPositionSigma_m);
+  const auto forth = compare_depths({a}, {b}, T_a_b, Sensor{camera_}, kPositionSigma_m);
+  const auto back = compare_depths({b}, {a}, T_a_b.inverse(), Sensor{camera_}, kPositionSigma_m);
   EXPECT_EQ(forth.free_space_violations, back.free_space_violations);
   EXPECT_EQ(forth.consistent, back.consistent);
 }
@@ -135,7 +135,7 @@ TEST_F(DepthCheck, WithoutDepthNothingIsCompared) {
   Features b = seen({2.6}, camera_, T_world_b_, 2);
   b.depths_m.assign(b.size(), 0);
   const auto depths =
-      compare_depths(a, b, T_world_a_.inverse() * T_world_b_, Sensor{camera_}, kPositionSigma_m);
+      compare_depths({a}, {b}, T_world_a_.inverse() * T_world_b_, Sensor{camera_}, kPositionSigma_m);
   EXPECT_EQ(depths.consistent + depths.free_space_violations, 0);
   EXPECT_FALSE(violates_free_space(depths, 0));
 }
@@ -198,6 +198,18 @@ TEST_F(AppearanceCheck, TooFewKeypointsGiveAPValueOfOne) {
   a_.depths_m.assign(a_.size(), 0);
   b_.depths_m.assign(b_.size(), 0);
   EXPECT_EQ(chance(), 1);
+}
+
+TEST(DepthCheckOfSurfaces, WhatMovesDoesNotViolateFreeSpace) {
+  const PinholeCamera& pinhole = test::vga_camera();
+  const cv::Mat nothing_m(480, 640, CV_32FC1, cv::Scalar(0));
+  const SurfaceGrid moving = make_surface_grid(test::vga_surface_camera(), nothing_m);
+  const Features wall = *test::painted_wall_view(2), person = *test::painted_wall_view(1.5);
+  const auto violations = [&](const View& of_person) {
+    return compare_depths({wall}, of_person, {}, Sensor{pinhole}, kPositionSigma_m).free_space_violations;
+  };
+  EXPECT_GT(violations({person}), 100);
+  EXPECT_EQ(violations({person, &moving}), 0);
 }
 
 TEST(AppearanceCheckOfSurfaces, WhatHasMovedDoesNotCount) {
