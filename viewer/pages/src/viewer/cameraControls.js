@@ -12,6 +12,7 @@ const AHEAD = new Vector3(0, 0, 1.5);
 const FOLLOW_S = 0.4; // time constants
 const GLIDE_S = 0.15;
 const ARRIVED = 1e-3; // of the distance
+const SWING_S = 0.3; // time constant of what is left of a movement when the pointer is released
 const MARGIN = 1.08;
 const MIN_DISTANCE_M = 1e-3;
 const MUCH_CLOSER = 0.85;
@@ -96,6 +97,7 @@ export class CameraControls {
   advance(seconds) {
     if (this.mode === 'follow') return this.follow(1 - Math.exp(-seconds / FOLLOW_S));
     if (this.goal) this.glide(1 - Math.exp(-seconds / GLIDE_S));
+    this.controls.dampingFactor = 1 - Math.exp(-seconds / SWING_S); // three.js counts frames, which may be slow
     this.controls.update();
   }
 

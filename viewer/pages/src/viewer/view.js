@@ -11,7 +11,7 @@ import { interiorView } from './interior.js';
 
 const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
 const REST_MS = 250; // idle time after which everything is drawn
-const SLICE_MS = 500; // of the frames in which this happens
+const SLICE = 1_000_000; // points or triangles of each frame in which this happens: some 0.7 s in software
 const MEASURE_MS = 200; // interval of measuring the map's extent
 const FEWEST = 50_000; // points that are drawn in any case
 const LARGEST = 2.5; // maximum factor on the point size when few points are drawn
@@ -24,7 +24,6 @@ export class View {
     // Without the drawing buffer a screenshot would be empty.
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
-    this.renderer.localClippingEnabled = true;
     this.cameraControls = new CameraControls(canvas, world, () => (this.dirty = true));
     this.floor = new Floor();
     const headlight = new DirectionalLight(0xffffff, 2); // for meshes without colours
@@ -80,7 +79,7 @@ export class View {
       this.adapt(passedMs);
       this.draw();
     } else if (this.unfinished && nowMs - this.changedMs > REST_MS) {
-      this.drawNextSlice(nowMs);
+      this.drawNextSlice();
     }
     requestAnimationFrame((now) => this.frame(now));
   }
@@ -89,8 +88,9 @@ export class View {
   adapt(passedMs) {
     const smoothing = 0.9;
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
+    if (this.world.coarse && !this.shadesMoving) return; // that is fast, unlike the mesh it stands in for
     const wanted = this.share * Math.min(1.15, Math.max(0.25, SMOOTH_MS / Math.max(1, passedMs)));
-    this.share = Math.min(1, Math.max(FEWEST / Math.max(1, this.world.pointCount), wanted));
+    this.share = Math.min(1, Math.max(FEWEST / Math.max(FEWEST, this.world.pointCount, this.world.triangleCount), wanted));
     this.shadesMoving &&= this.share === 1;
   }
 
@@ -99,15 +99,13 @@ export class View {
     return this.finished < 1;
   }
 
-  /** Draws more of the map once the graphics card has drawn the slice before; one takes some SLICE_MS. */
-  drawNextSlice(nowMs) {
+  /** Draws more of the map once the graphics card has drawn the slice before. */
+  drawNextSlice() {
     const context = this.renderer.getContext();
-    if (this.finished === 0) this.slice = this.share;
-    else if (context.getSyncParameter(this.fence, context.SYNC_STATUS) !== context.SIGNALED) return;
-    else this.slice = Math.max(this.share, this.slice * Math.min(2, SLICE_MS / Math.max(1, nowMs - this.slicedMs)));
+    if (this.finished > 0 && context.getSyncParameter(this.fence, context.SYNC_STATUS) !== context.SIGNALED) return;
     context.deleteSync(this.fence ?? null);
-    this.slicedMs = nowMs;
-    this.drawSlice(this.finished, Math.min(1, this.finished + this.slice));
+    const share = SLICE / Math.max(SLICE, this.world.pointCount, this.world.triangleCount);
+    this.drawSlice(this.finished, Math.min(1, this.finished + share));
     this.fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0);
     context.flush();
   }
@@ -133,7 +131,7 @@ export class View {
     this.finished = to;
     if (to < 1) return;
     this.shaded = this.shades;
-    this.shadesMoving = true;
+    this.shadesMoving = this.share === 1;
     this.onDrawn();
   }
 
@@ -161,7 +159,10 @@ export class View {
     uniforms.pixelsPerRadian.value = this.cameraControls.pixelsPerRadian(this.renderer.domElement.height);
     uniforms.pointSizeCm.value = this.pointSizeCm * Math.min(1, this.radiusM / ROOM_M) * Math.min(LARGEST, 1 / Math.sqrt(share));
     uniforms.lit.value = this.shades ? 1 : 0;
-    this.world.clipTo(this.drawnBox());
+    const box = this.drawnBox();
+    // Shaders that discard pixels are slow, since hidden ones must be computed, too.
+    this.renderer.localClippingEnabled = [...box.min.toArray(), ...box.max.toArray()].some(Number.isFinite);
+    this.world.clipTo(box);
   }
 
   /** What is drawn: inside the box, below the cut, and without the ceiling while that is seen from above. */

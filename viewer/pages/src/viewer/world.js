@@ -349,18 +349,43 @@ export class World {
     return [...this.pieces.values()].reduce((sum, { object }) => sum + object.userData.count, 0);
   }
 
+  get triangleCount() {
+    const count = ({ geometry }) => (geometry.index ?? geometry.attributes.position).count / 3;
+    const pieces = [...this.meshPieces.values()].reduce((sum, { object }) => sum + count(object), 0);
+    return this.meshes().reduce((sum, [object]) => sum + count(object), pieces);
+  }
+
   /** Draws that share of all points. Unless `all`: no mesh that grows beside them, and of others the coarse one if any. */
   thin(share, all) {
-    for (const { object } of this.pieces.values()) drawPart(object, 0, share);
+    this.drawPoints(0, share);
     this.showMeshes(all || !this.layers.cloud.visible, all);
   }
 
   /** Draws the part from one share to another of all points and triangles, and for these no stand-in. */
   slice(from, to) {
-    for (const { object } of this.pieces.values()) drawPart(object, from, to);
+    this.drawPoints(from, to);
     for (const { object } of this.meshPieces.values()) drawPart(object, from, to);
     for (const [object] of this.meshes()) drawPart(object, from, to);
     this.showMeshes(true, true);
+  }
+
+  /**
+   * Draws the part from one share to another of all points. A piece of a saved cloud is a sample of all of it, so that few
+   * pieces do, and few calls of the graphics card; of other pieces, that part of each is drawn.
+   */
+  drawPoints(from, to) {
+    const isSample = ({ anchor }) => anchor === NO_KEYFRAME && Object.keys(this.differences).length === 0;
+    const pieces = [...this.pieces.values()];
+    const total = pieces.filter(isSample).reduce((sum, { object }) => sum + object.userData.count, 0);
+    let before = 0;
+    for (const piece of pieces) {
+      const { object } = piece;
+      const { count } = object.userData;
+      const own = isSample(piece) ? [from, to].map((share) => Math.min(1, Math.max(0, (share * total - before) / count))) : [from, to];
+      if (isSample(piece)) before += count;
+      drawPart(object, ...own);
+      object.layers.mask = own[1] > own[0] ? SHOWN : 0;
+    }
   }
 
   /** Shows or hides the mesh that grows, and shows others as they are, or coarse. */
