@@ -25,7 +25,7 @@ struct Keyframe {
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;
   std::shared_ptr<const KeypointPatches> patches = {};  ///< null in a loaded map
-  std::shared_ptr<const SurfaceGrid> surfaces = {};     ///< null in a loaded map
+  std::shared_ptr<const SurfaceGrid> surfaces = {};     ///< null in a loaded map, see restore_surfaces
 };
 
 /// Keypoint `feature` of `keyframe`.
