@@ -366,7 +366,7 @@ def test_a_mesh_has_a_texture_on_request(result, tmp_path):
     assert np.median(np.abs(shown - mesh.colors[mesh.triangles.ravel()])) < 12
     mesh.save(tmp_path / "mesh.obj")
     assert {path.name for path in tmp_path.iterdir()} == {"mesh.obj", "mesh.mtl", "mesh.jpg"}
-    with pytest.raises(kinloop.UsageError, match="must end in .glb, .obj or .usda"):
+    with pytest.raises(kinloop.UsageError, match="must end in .glb, .obj, .usda or .usdz"):
         mesh.save(tmp_path / "mesh.ply")
 
 
