@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "kinloop/loop/correct_loop.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph_covariance.hpp"
 
 namespace kinloop {
@@ -20,13 +21,13 @@ constexpr double kMinVariance = 1e-12;  // m^2 and rad^2: a step of unknown cova
 constexpr int kMinShared = 30;          // landmarks, of a revisit
 
 PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, const Matrix6d& covariance) {
-  const SE3 T_a_b = map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
   const Matrix6d information =
       (covariance + kMinVariance * Matrix6d::Identity()).llt().solve(Matrix6d::Identity());
   // The error of an edge has half the angle.
   Vector6d to_error;
   to_error << 1, 1, 1, 2, 2, 2;
-  return {a.value, b.value, T_a_b, to_error.asDiagonal() * information * to_error.asDiagonal()};
+  return {a.value, b.value, current_pose(map, a, b),
+          to_error.asDiagonal() * information * to_error.asDiagonal()};
 }
 
 /// Returns the older keyframes that see landmarks of this one and from which the camera had looked away in

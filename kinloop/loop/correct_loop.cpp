@@ -9,10 +9,6 @@
 namespace kinloop {
 namespace {
 
-SE3 current_pose(const Map& map, KeyframeId a, KeyframeId b) {
-  return map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
-}
-
 PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int shared,
                            const LoopOptions& options) {
   return {a.value, b.value, current_pose(map, a, b), edge_information(shared, options), true};
@@ -116,6 +112,10 @@ PoseGraph without(PoseGraph graph, size_t loops, const std::vector<size_t>& left
 }
 
 }  // namespace
+
+SE3 current_pose(const Map& map, KeyframeId a, KeyframeId b) {
+  return map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
+}
 
 std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe) {
   if (keyframe.begins_component) return std::nullopt;

@@ -21,8 +21,8 @@ Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma);
 /// The keyframe that a keyframe was tracked against, and what that added to its covariance.
 struct KeyframeStep {
   KeyframeId reference;  ///< invalid for the first of a component
-  Matrix6d covariance =
-      Matrix6d::Zero();  ///< of the pose in the reference, with drift; in the axes of the keyframe
+  /// Of the pose in the reference, with drift; in the axes of the keyframe.
+  Matrix6d covariance = Matrix6d::Zero();
 };
 
 /// The covariances of the poses of a run, as they are known at each frame.
