@@ -9,7 +9,9 @@ command -v roscore >/dev/null && command -v rosbag >/dev/null || exit 77
 folder="$(mktemp -d)"
 pids=()
 clean_up() {
-  for pid in "${pids[@]}"; do kill -INT "$pid" 2>/dev/null || true; done
+  local status=$?
+  if [[ $status -ne 0 ]]; then tail -n 20 "$folder"/*.log; fi
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
   wait
   rm -rf "$folder"
 }
@@ -27,24 +29,42 @@ done
 cmp "$folder/files/trajectory.txt" "$folder/bag/trajectory.txt"
 echo "the bag read directly: the same"
 
-port=$((20000 + RANDOM % 20000))
-export ROS_MASTER_URI="http://127.0.0.1:$port" ROS_IP=127.0.0.1 ROS_HOME="$folder/ros"
-roscore -p "$port" >"$folder/roscore.log" 2>&1 &
-pids+=($!)
-for _ in $(seq 100); do rosparam list >/dev/null 2>&1 && break || sleep 0.3; done
+export ROS_IP=127.0.0.1 ROS_HOME="$folder/ros"
+
+# Below the ports that the kernel hands out; another process may still hold one, so several are tried.
+start_roscore() {
+  for _ in 1 2 3 4 5; do
+    local port=$((10000 + RANDOM % 20000))
+    export ROS_MASTER_URI="http://127.0.0.1:$port"
+    roscore -p "$port" >"$folder/roscore.log" 2>&1 &
+    local roscore_pid=$!
+    pids+=("$roscore_pid")
+    while kill -0 "$roscore_pid" 2>/dev/null; do
+      timeout 5 rosparam list >/dev/null 2>&1 && return
+      sleep 0.3
+    done
+  done
+  return 1
+}
+
+start_roscore
+color=/kinect2/qhd/image_color_rect depth=/kinect2/qhd/image_depth_rect
 rosbag record -q -O "$folder/published.bag" /kinloop/pose /kinloop/pose_with_covariance >"$folder/record.log" 2>&1 &
 record_pid=$!
-"$node" _topics:="/kinect2/qhd/image_color_rect,/kinect2/qhd/image_depth_rect" _keep_all:=true _idle_s:=8 \
+pids+=("$record_pid")
+timeout 120 "$node" _topics:="$color,$depth" _keep_all:=true _idle_s:=8 \
   _camera:="$folder/frames/camera.yaml" _output:="$folder/node" >"$folder/node.log" 2>&1 &
 node_pid=$!
 pids+=("$node_pid")
 for _ in $(seq 100); do grep -q "listening to" "$folder/node.log" && break || sleep 0.1; done
-rosbag play -q -d 2 -r 0.5 "$folder/frames.bag" >/dev/null
-wait "$node_pid" || { cat "$folder/node.log"; exit 1; }
+# Waits until the node has connected to both topics: what is played before is lost, and the node would wait forever.
+timeout 60 rosbag play -q --wait-for-subscribers -r 0.5 "$folder/frames.bag" --topics "$color" "$depth" >"$folder/play.log"
+wait "$node_pid"
 cat "$folder/node.log"
 cmp "$folder/files/trajectory.txt" "$folder/node/trajectory.txt"
 echo "played to the node: the same"
 
 kill -INT "$record_pid"
 wait "$record_pid" || true
+for _ in $(seq 100); do [[ -f "$folder/published.bag" ]] && break || sleep 0.1; done  # rosbag ends before its recorder
 /usr/bin/python3 "$(dirname "${BASH_SOURCE[0]}")/check_covariances.py" "$folder/published.bag" "$folder/poses.jsonl"

@@ -132,8 +132,7 @@ std::vector<LiveMesh::WantedBlock> LiveMesh::wanted_blocks(std::span<const Eigen
 /// Adds blocks, and releases submaps for them. Those that would not fit are left out.
 void LiveMesh::allocate(std::vector<WantedBlock> blocks) {
   std::ranges::sort(blocks);
-  const auto repeated = std::ranges::unique(blocks);
-  blocks.erase(repeated.begin(), repeated.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
   blocks.resize(std::min(blocks.size(), options_.max_blocks));
   while (blocks_in_memory() + blocks.size() > options_.max_blocks) {
     const auto oldest = least_recently_seen();
