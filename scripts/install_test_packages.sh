@@ -13,6 +13,7 @@ packages=(
   pycolmap==4.2.1                         # kinloop export --colmap: tests/scripts/colmap_test.py
   "open3d-cpu==0.20.0; platform_machine=='x86_64'" # clouds, meshes, posed images: tests/scripts/open3d_test.py
   rerun-sdk==0.41.0                       # kinloop export --rrd: tests/scripts/rerun_test.py
+  "usd-core==26.11; python_version>='3.11' and platform_machine=='x86_64'" # meshes as .usda, .usdz: tests/scripts/usd_test.py
   dask==2026.8.0 distributed==2026.8.0    # workers of kinloop batch: tests/batch/dask_test.py
   "pyarrow==26.0.1; python_version>='3.11'" # its Parquet: the same
   pyrealsense2==2.59.1.11053              # .db3 files of RealSense cameras: tests/scripts/realsense_test.py
