@@ -43,14 +43,23 @@ Shown shown_without(const std::filesystem::path& map, const std::string& loop) {
   return shown_run(output, fmt::format("The map without the loop is {}.", output.filename().string()));
 }
 
+/// A run, and the parts of it that are sent.
+struct SentRun {
+  SavedRun run;
+  SavedRunParts parts{run};
+};
+
 Shown shown_run(const std::filesystem::path& path, std::string greeting) {
-  const auto run = std::make_shared<const SavedRun>(read_shown(path, make_progress_bar(false)));
-  Shown shown{.show = [run](Scene& scene) { show_saved_run(scene, *run); },
-              .read_images = [run, path] { return keyframe_images_of(path, run->keyframes); },
-              .tell = [run](Scene& scene, const Notice& notice) { show_notice(scene, *run, notice); },
+  const std::shared_ptr<const SentRun> sent(new SentRun{read_shown(path, make_progress_bar(false))});
+  Shown shown{.show = [sent](Scene& scene) { sent->parts.show_first(scene); },
+              .rest = {},
+              .tell = [sent](Scene& scene, const Notice& notice) { show_notice(scene, sent->run, notice); },
               .greeting = std::move(greeting)};
-  if (!run->map_file.empty())
-    shown.withdraw = [map = run->map_file](const std::string& loop) { return shown_without(map, loop); };
+  for (size_t i = 0; i < sent->parts.batches(); ++i)
+    shown.rest.emplace_back([sent, i] { return sent->parts.batch(i); });
+  shown.rest.emplace_back([sent, path] { return encode(keyframe_images_of(path, sent->run.keyframes)); });
+  if (!sent->run.map_file.empty())
+    shown.withdraw = [map = sent->run.map_file](const std::string& loop) { return shown_without(map, loop); };
   return shown;
 }
 
@@ -65,10 +74,9 @@ Shown shown_comparison(const MergeRequest& maps) {
       image.keyframe += static_cast<uint32_t>(before.keyframes.size());
       images.push_back(std::move(image));
     }
-    return images;
+    return encode(std::move(images));
   };
-  return {.show = [compared](Scene& scene) { show_comparison(scene, *compared); },
-          .read_images = read_images};
+  return {.show = [compared](Scene& scene) { show_comparison(scene, *compared); }, .rest = {read_images}};
 }
 
 void view(const ViewArguments& arguments) {

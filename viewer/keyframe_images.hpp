@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kinloop/geometry/trajectory.hpp"
+#include "viewer/scene/scene.hpp"
 
 namespace kinloop {
 
@@ -32,5 +33,8 @@ std::vector<KeyframeImage> read_keyframe_images(const std::filesystem::path& map
 /// is damaged: all else can be shown.
 std::vector<KeyframeImage> keyframe_images_of(const std::filesystem::path& shown, const Trajectory& keyframes,
                                               const KeyframeImageOptions& options = {});
+
+/// Returns them as they are sent.
+std::vector<EncodedPart> encode(std::vector<KeyframeImage> images);
 
 }  // namespace kinloop

@@ -184,9 +184,23 @@ SavedRun read_folder(const fs::path& path) {
   return run;
 }
 
-void show_pieces(Scene& scene, std::span<const CloudPiece> pieces, size_t begin, size_t end) {
-  for (size_t i = begin; i < end; ++i)
-    scene.put(PartKind::kCloud, static_cast<uint32_t>(i), encode_cloud(pieces[i]));
+constexpr size_t kFirstPieces = 1;   // of the cloud, which the first picture shows
+constexpr size_t kBatchPieces = 16;  // a million points: they take a tenth of a second to encode
+
+EncodedPart encode_piece(const std::vector<CloudPiece>& pieces, size_t index) {
+  return {PartKind::kCloud, static_cast<uint32_t>(index), encode_cloud(pieces[index])};
+}
+
+void put_all(Scene& scene, std::vector<EncodedPart> parts) {
+  for (EncodedPart& part : parts) scene.put(part.kind, part.index, std::move(part.body));
+}
+
+/// The mesh, or the model of a file, which is sent as it is.
+std::vector<EncodedPart> encode_surface(const SavedRun& run) {
+  std::vector<EncodedPart> parts;
+  if (!run.mesh.triangles.empty()) parts.push_back({PartKind::kMesh, 0, encode_mesh(run.mesh)});
+  if (!run.model.empty()) parts.push_back({PartKind::kModel, 0, {run.model.begin(), run.model.end()}});
+  return parts;
 }
 
 /// A stand-in for a large mesh, which takes long to send and to draw.
@@ -280,26 +294,45 @@ SavedRun read_saved_run(const fs::path& path) {
   return run;
 }
 
-void show_saved_run(Scene& scene, const SavedRun& run) {
+SavedRunParts::SavedRunParts(const SavedRun& run) : run_(run), pieces_(split_into_pieces(run.cloud)) {}
+
+void SavedRunParts::show_first(Scene& scene) const {
   scene.put(PartKind::kHello, 0,
             encode_json({{"run", scene.run()},
-                         {"input", run.name},
+                         {"input", run_.name},
                          {"live", false},
-                         {"colors", colorings_of(run)},
-                         {"upKnown", run.up_known},
-                         {"frustum", {run.half_size_at_1m.x(), run.half_size_at_1m.y()}}}));
-  show_paths(scene, run);
-  const auto ate = show_truth(scene, run);
-  scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
-  const std::vector<CloudPiece> pieces = split_into_pieces(run.cloud);
-  show_pieces(scene, pieces, 0, std::min<size_t>(1, pieces.size()));  // the first picture
-  show_coarsely(scene, run.mesh);
-  if (const auto timeline = timeline_of(run, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
+                         {"colors", colorings_of(run_)},
+                         {"upKnown", run_.up_known},
+                         {"frustum", {run_.half_size_at_1m.x(), run_.half_size_at_1m.y()}}}));
+  show_paths(scene, run_);
+  const auto ate = show_truth(scene, run_);
+  scene.put(PartKind::kStatus, 0, encode_json(status_of(run_, ate)));
+  for (size_t i = 0; i < std::min(kFirstPieces, pieces_.size()); ++i)
+    put_all(scene, {encode_piece(pieces_, i)});
+  show_coarsely(scene, run_.mesh);
+  if (const auto timeline = timeline_of(run_, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
-  if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
-  show_pieces(scene, pieces, 1, pieces.size());
-  if (!run.mesh.triangles.empty()) scene.put(PartKind::kMesh, 0, encode_mesh(run.mesh));
-  if (!run.model.empty()) scene.put(PartKind::kModel, 0, {run.model.begin(), run.model.end()});
+  if (!run_.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run_)));
+}
+
+size_t SavedRunParts::batches() const {
+  const size_t pieces = pieces_.size() - std::min(kFirstPieces, pieces_.size());
+  return (pieces + kBatchPieces - 1) / kBatchPieces + 1;  // the last: the surface
+}
+
+std::vector<EncodedPart> SavedRunParts::batch(size_t index) const {
+  if (index + 1 == batches()) return encode_surface(run_);
+  const size_t begin = kFirstPieces + index * kBatchPieces;
+  std::vector<EncodedPart> parts;
+  for (size_t i = begin; i < std::min(pieces_.size(), begin + kBatchPieces); ++i)
+    parts.push_back(encode_piece(pieces_, i));
+  return parts;
+}
+
+void show_saved_run(Scene& scene, const SavedRun& run) {
+  const SavedRunParts parts(run);
+  parts.show_first(scene);
+  for (size_t i = 0; i < parts.batches(); ++i) put_all(scene, parts.batch(i));
 }
 
 void show_notice(Scene& scene, const SavedRun& run, const Notice& notice) {

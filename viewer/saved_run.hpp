@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/trajectory.hpp"
@@ -55,7 +56,27 @@ struct Notice {
   bool busy = false;  ///< a command of the page is being carried out
 };
 
-/// Fills the scene with it.
+/// What a page is sent of a run: first what a picture needs, then the rest, which may take long to encode.
+class SavedRunParts {
+ public:
+  /// The run must outlive this object.
+  explicit SavedRunParts(const SavedRun& run);
+
+  /// Fills the scene with the paths and what the first picture shows.
+  void show_first(Scene& scene) const;
+
+  /// Number of batches of the rest.
+  [[nodiscard]] size_t batches() const;
+
+  /// Encodes a batch of the rest. On any thread.
+  [[nodiscard]] std::vector<EncodedPart> batch(size_t index) const;
+
+ private:
+  const SavedRun& run_;
+  std::vector<CloudPiece> pieces_;
+};
+
+/// Fills the scene with all of it.
 void show_saved_run(Scene& scene, const SavedRun& run);
 
 /// Shows a notice in a scene that shows the run.

@@ -8,26 +8,27 @@
 namespace kinloop {
 namespace {
 
-constexpr const char* kImages = "keyframe images";
+constexpr const char* kRest = "rest of the map";
 
 }  // namespace
 
 ShownFeed::ShownFeed(Shown shown)
-    : shown_(std::move(shown)), executor_(make_executor({.mode = ExecutorMode::kLive})) {
-  read_images();
-}
+    : shown_(std::move(shown)), executor_(make_executor({.mode = ExecutorMode::kLive})) {}
 
-void ShownFeed::read_images() {
-  executor_->submit({}, {.kind = kImages, .work = [this, read = shown_.read_images]() -> Completion {
-                           return [this, images = read()] { images_ = images; };
+/// Prepares what comes next, unless that is being done or there is no more.
+void ShownFeed::prepare_next() {
+  if (executor_->busy(kRest) || prepared_ == shown_.rest.size()) return;
+  executor_->submit({}, {.kind = kRest, .work = [this, prepare = shown_.rest[prepared_]]() -> Completion {
+                           return [this, parts = prepare()]() mutable { parts_ = std::move(parts); };
                          }});
+  ++prepared_;
 }
 
 void ShownFeed::take(const Command& command) {
   if (command.kind != CommandKind::kWithdrawLoop || !shown_.withdraw) return;
   if (busy_) return;
-  if (executor_->busy(kImages)) {
-    notice_ = {"The images of the map are still being read; try again in a moment."};
+  if (prepared_ < shown_.rest.size() || executor_->busy(kRest)) {
+    notice_ = {"The map is still being sent; try again in a moment."};
     return;
   }
   notice_ = {"Taking the loop out, and solving the map again...", true};
@@ -55,8 +56,7 @@ Completion ShownFeed::withdraw(const std::function<Shown(const std::string&)>& m
     return [this, shown = make(loop)] {
       shown_ = shown;
       is_new_ = true;
-      images_.clear();
-      read_images();
+      parts_.clear();
     };
   } catch (const std::exception& error) {
     return [this, what = std::string(error.what())] { notice_ = {what}; };
@@ -76,17 +76,20 @@ void ShownFeed::collect() {
   done();
 }
 
+/// Shows the first of what is new.
+void ShownFeed::begin(Scene& scene) {
+  if (!std::exchange(is_first_, false)) scene.restart(random_token());
+  shown_.show(scene);
+  prepared_ = 0;
+  if (!shown_.greeting.empty()) notice_ = {shown_.greeting};
+}
+
 void ShownFeed::update(Scene& scene) {
   collect();
-  if (std::exchange(is_new_, false)) {
-    if (!std::exchange(is_first_, false)) scene.restart(random_token());
-    shown_.show(scene);
-    if (!shown_.greeting.empty()) notice_ = {shown_.greeting};
-    return;
-  }
+  if (std::exchange(is_new_, false)) return begin(scene);
   if (const auto notice = std::exchange(notice_, {})) shown_.tell(scene, *notice);
-  for (KeyframeImage& image : std::exchange(images_, {}))
-    scene.put(PartKind::kKeyframeImage, image.keyframe, std::move(image.jpeg));
+  for (EncodedPart& part : std::exchange(parts_, {})) scene.put(part.kind, part.index, std::move(part.body));
+  prepare_next();
 }
 
 }  // namespace kinloop

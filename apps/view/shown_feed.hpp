@@ -10,16 +10,17 @@
 #include <vector>
 
 #include "kinloop/back_end/executor.hpp"
-#include "viewer/keyframe_images.hpp"
 #include "viewer/saved_run.hpp"
+#include "viewer/scene/scene.hpp"
 #include "viewer/server/command.hpp"
 
 namespace kinloop {
 
-/// What a page shows: first the map, then the images, which take longer to read.
+/// What a page shows.
 struct Shown {
-  std::function<void(Scene&)> show;
-  std::function<std::vector<KeyframeImage>()> read_images;
+  std::function<void(Scene&)> show;  ///< what the first picture needs
+  /// What takes longer to read or to encode, in this order, in the background.
+  std::vector<std::function<std::vector<EncodedPart>()>> rest;
   /// Writes the map without a loop, named by its stamps, and returns it; empty if there is no map to change.
   std::function<Shown(const std::string& loop)> withdraw = {};
   std::function<void(Scene&, const Notice&)> tell = {};  ///< set if `withdraw` is
@@ -41,7 +42,8 @@ class ShownFeed {
   void work();
 
  private:
-  void read_images();
+  void begin(Scene& scene);
+  void prepare_next();
   void collect();
   Completion withdraw(const std::function<Shown(const std::string&)>& make, const std::string& loop);
 
@@ -49,7 +51,8 @@ class ShownFeed {
   bool is_new_ = true;                  // not in the scene yet
   bool is_first_ = true;                // the scene is empty
   std::optional<Notice> notice_;        // to be told
-  std::vector<KeyframeImage> images_;   // read, not shown yet
+  size_t prepared_ = 0;                 // of the rest, or being prepared
+  std::vector<EncodedPart> parts_;      // prepared, not in the scene yet
   bool busy_ = false;                   // with a command
   std::mutex mutex_;                    // for the next two
   std::function<Completion()> wanted_;  // taken, not begun

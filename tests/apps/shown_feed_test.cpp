@@ -17,10 +17,12 @@ Shown shown_map(const std::string& name) {
   SavedRun run;
   run.name = name;
   return {.show = [run](Scene& scene) { show_saved_run(scene, run); },
-          .read_images =
-              [] {
-                return std::vector<KeyframeImage>{{4, {1, 2}}};
-              },
+          .rest = {[] {
+                     return std::vector<EncodedPart>{{PartKind::kCloud, 9, {1}}};
+                   },
+                   [] {
+                     return std::vector<EncodedPart>{{PartKind::kKeyframeImage, 4, {1, 2}}};
+                   }},
           .tell = [run](Scene& scene, const Notice& notice) { show_notice(scene, run, notice); }};
 }
 
@@ -67,6 +69,30 @@ TEST_F(Feed, AWithdrawnLoopGivesAnotherScene) {
   EXPECT_NE(json_of(PartKind::kHello)["run"], "first") << "browsers forget what they have";
   EXPECT_EQ(json_of(PartKind::kStatus)["busy"], false);
   update_until(feed, [&] { return shows(PartKind::kKeyframeImage); });
+}
+
+TEST_F(Feed, ShowsWhatAPictureNeedsBeforeTheRestWhichIsInOrder) {
+  Shown shown = shown_map("map");
+  shown.show = [](Scene& scene) { scene.put(PartKind::kHello, 0, {1}); };
+  ShownFeed feed(shown);
+  feed.update(scene_);
+  EXPECT_TRUE(shows(PartKind::kHello));
+  EXPECT_FALSE(shows(PartKind::kCloud));
+  update_until(feed, [&] { return shows(PartKind::kCloud); });
+  EXPECT_FALSE(shows(PartKind::kKeyframeImage)) << "one after the other";
+  update_until(feed, [&] { return shows(PartKind::kKeyframeImage); });
+}
+
+TEST_F(Feed, NoLoopIsWithdrawnBeforeAllOfTheMapIsSent) {
+  Shown shown = shown_map("map");
+  shown.withdraw = [&](const std::string&) { return shown_map("after"); };
+  ShownFeed feed(shown);
+  feed.update(scene_);
+  feed.take({CommandKind::kWithdrawLoop, "1,2"});
+  update_until(feed, [&] { return shows(PartKind::kKeyframeImage); });
+  EXPECT_EQ(message(), "The map is still being sent; try again in a moment.");
+  feed.take({CommandKind::kWithdrawLoop, "1,2"});
+  update_until(feed, [&] { return json_of(PartKind::kHello)["input"] == "after"; });
 }
 
 TEST_F(Feed, SaysWhyALoopWasNotWithdrawn) {

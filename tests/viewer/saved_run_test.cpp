@@ -244,6 +244,34 @@ TEST_F(SavedRunTest, SaysWhatCannotBeShown) {
               HasSubstr("holds no points"));
 }
 
+TEST(SavedRunPartsTest, TheFirstPictureNeedsLittleOfALargeCloudAndBatchesGiveAllOfIt) {
+  constexpr size_t kPoints = 1'300'000;
+  SavedRun run;
+  for (size_t i = 0; i < kPoints; ++i)
+    run.cloud.points.emplace_back(1e-4F * static_cast<float>(i % 1000), 1e-4F * static_cast<float>(i / 1000),
+                                  0);
+  run.cloud.colors.resize(kPoints);
+  run.mesh = triangle();
+  const SavedRunParts parts(run);
+  Scene first("x"), all("x");
+  parts.show_first(first);
+  EXPECT_LT(first.bytes(), 300'000U);
+  EXPECT_TRUE(test::part(first, PartKind::kCloud));
+  EXPECT_EQ(test::json_of(*test::part(first, PartKind::kStatus))["points"], kPoints);
+  EXPECT_FALSE(test::part(first, PartKind::kMesh));
+  show_saved_run(all, run);
+  size_t bytes = 0;
+  for (size_t i = 0; i < parts.batches(); ++i) {
+    for (EncodedPart& part : parts.batch(i)) {
+      bytes += part.body.size();
+      first.put(part.kind, part.index, std::move(part.body));
+    }
+  }
+  EXPECT_GT(parts.batches(), 2U);
+  EXPECT_GT(bytes, 9 * kPoints) << "nine bytes and more for a point";
+  EXPECT_EQ(first.bytes(), all.bytes());
+}
+
 TEST(SavedCloud, PointsThatAreNowhereAreLeftOut) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

@@ -25,6 +25,13 @@ struct ScenePart {
   std::shared_ptr<const WireBytes> body;
 };
 
+/// What becomes a part: large ones are encoded before, on another thread.
+struct EncodedPart {
+  PartKind kind = PartKind::kHello;
+  uint32_t index = 0;
+  WireBytes body;
+};
+
 class Scene {
  public:
   /// `run` identifies this scene: versions of different runs are not comparable.
