@@ -34,7 +34,7 @@ function slowServer(port, mbit) {
     const kinloop = connect(port, '127.0.0.1');
     browser.pipe(kinloop);
     [browser, kinloop].forEach((socket) => socket.on('error', () => [browser, kinloop].forEach((end) => end.destroy())));
-    for await (const data of kinloop) {
+    const forward = async (data) => {
       for (let at = 0; at < data.length; ) {
         while (left < 1) await pause(1);
         const part = data.subarray(at, at + Math.ceil(left));
@@ -42,6 +42,11 @@ function slowServer(port, mbit) {
         at += part.length;
         browser.write(part);
       }
+    };
+    try {
+      for await (const data of kinloop) await forward(data);
+    } catch {
+      // The page has been closed.
     }
     browser.end();
   }).listen(0);

@@ -78,6 +78,25 @@ async function checkLook(page, shoot) {
   await page.uncheck('[data-layer=images]');
 }
 
+/** After slow frames fewer points are drawn, and larger pixels; what rests is drawn as a whole. */
+async function checkSlowFrames(page) {
+  const moving = await page.evaluate(() => {
+    const { view } = window.kinloop;
+    for (let i = 0; i < 20; ++i) view.adapt(500);
+    view.draw();
+    const { width, clientWidth } = view.renderer.domElement;
+    return { share: view.share, width, clientWidth };
+  });
+  assert.ok(moving.share < 1, 'fewer points');
+  assert.ok(moving.width < 0.5 * moving.clientWidth, 'larger pixels');
+  const rests = () => {
+    const { view } = window.kinloop;
+    const { width, clientWidth } = view.renderer.domElement;
+    return !view.unfinished && width >= clientWidth;
+  };
+  await until(() => page.evaluate(rests), 'what rests is drawn as a whole');
+}
+
 /** A click on a keyframe shows it, with its loops, and moves the timeline there. */
 async function checkPicks(page, shoot) {
   await page.keyboard.press('2');
@@ -264,6 +283,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     assert.equal(await page.isVisible('#timeline'), what !== cloud, 'what has frames has a timeline');
     if (what === out) await checkLook(page, shoot);
     if (what === out) await checkTimeline(page, open, shoot);
+    if (what === out) await checkSlowFrames(page);
     if (what === out) await checkPicks(page, shoot);
     await shoot(page, { [out]: 'view-folder', [map]: 'view-map', [cloud]: 'view-cloud' }[what]);
 

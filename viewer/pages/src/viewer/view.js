@@ -10,6 +10,9 @@ import { ceilingOf, sampleMap } from './framing.js';
 import { interiorView } from './interior.js';
 
 const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
+const SLOW_MS = 100; // after two slower ones, where fewer cannot be drawn, pixels are larger
+const LARGER = 0.7; // factor on the resolution then
+const LEAST_RESOLUTION = 0.3; // of that of the canvas
 const REST_MS = 250; // idle time after which everything is drawn
 const SLICE = 1_000_000; // points or triangles of each frame in which this happens: some 0.7 s in software
 const MEASURE_MS = 200; // interval of measuring the map's extent
@@ -23,7 +26,8 @@ export class View {
     this.world = world;
     // Without the drawing buffer a screenshot would be empty.
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.resolution = 1; // of the picture while something moves, relative to the one at rest
+    this.setResolution(1);
     this.cameraControls = new CameraControls(canvas, world, () => (this.dirty = true));
     this.floor = new Floor();
     const headlight = new DirectionalLight(0xffffff, 2); // for meshes without colours
@@ -46,6 +50,7 @@ export class View {
     this.onMeasured = () => {};
     this.onDrawn = () => {};
     this.share = 1;
+    this.slowFrames = 0;
     this.lastMs = performance.now();
     this.changedMs = this.lastMs;
     this.measuredMs = -Infinity;
@@ -84,14 +89,29 @@ export class View {
     requestAnimationFrame((now) => this.frame(now));
   }
 
-  /** Adapts the number of points to the duration of the last frames. */
+  setResolution(resolution) {
+    this.resolution = resolution;
+    const pixelRatio = resolution * Math.min(2, devicePixelRatio);
+    if (this.renderer.getPixelRatio() !== pixelRatio) this.renderer.setPixelRatio(pixelRatio);
+  }
+
+  /** Adapts the number of points, and then the resolution, to the duration of the last frames. */
   adapt(passedMs) {
     const smoothing = 0.9;
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
-    if (this.world.coarse && !this.shadesMoving) return; // that is fast, unlike the mesh it stands in for
+    const isLeast = this.adaptShare(passedMs);
+    this.slowFrames = isLeast && passedMs > SLOW_MS ? this.slowFrames + 1 : 0;
+    if (this.slowFrames >= 2) this.setResolution(Math.max(LEAST_RESOLUTION, LARGER * this.resolution));
+  }
+
+  /** Adapts the share of the map that is drawn; returns whether no less can be drawn. */
+  adaptShare(passedMs) {
+    if (this.world.coarse && !this.shadesMoving) return true; // it is drawn in place of the mesh
+    const least = FEWEST / Math.max(FEWEST, this.world.pointCount, this.world.triangleCount);
     const wanted = this.share * Math.min(1.15, Math.max(0.25, SMOOTH_MS / Math.max(1, passedMs)));
-    this.share = Math.min(1, Math.max(FEWEST / Math.max(FEWEST, this.world.pointCount, this.world.triangleCount), wanted));
+    this.share = Math.min(1, Math.max(least, wanted));
     this.shadesMoving &&= this.share === 1;
+    return this.share === least;
   }
 
   /** Whether the picture lacks part of the map, or its shading. */
@@ -119,6 +139,7 @@ export class View {
   drawSlice(from, to) {
     const { eyeDome, renderer, scene, world } = this;
     const { camera } = this.cameraControls;
+    this.setResolution(1);
     this.prepare(1);
     world.slice(from, to);
     eyeDome.drawSurfaces(renderer, scene, camera, from > 0);
@@ -148,7 +169,7 @@ export class View {
     } else {
       renderer.render(scene, camera);
     }
-    this.finished = this.share === 1 && this.shadesMoving ? 1 : 0;
+    this.finished = this.share === 1 && this.resolution === 1 && this.shadesMoving ? 1 : 0;
     this.dirty = false;
     this.onDrawn();
   }
