@@ -160,6 +160,57 @@ TEST(LiveMesh, HasNormalsTrianglesAndColoursOfTheFreeSide) {
   }
 }
 
+/// The mean colour of the vertices with x in a range, in the world.
+Eigen::Array3d mean_color(const Receiver& seen, const std::vector<SE3>& poses, double from_x_m,
+                          double to_x_m) {
+  Eigen::Array3d sum = Eigen::Array3d::Zero();
+  double count = 0;
+  for (const auto& [index, piece] : seen.pieces()) {
+    const auto& mesh = piece.surface.mesh;
+    for (size_t i = 0; i < mesh.points.size(); ++i) {
+      const double x_m = (poses[piece.anchor.value] * mesh.points[i].cast<double>()).x();
+      if (x_m < from_x_m || x_m > to_x_m) continue;
+      sum += Eigen::Array3d(mesh.colors[i][0], mesh.colors[i][1], mesh.colors[i][2]);
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+TEST(LiveMesh, ExposureAndWhiteBalanceOfViewsAreThoseOfTheFirst) {
+  const cv::Vec3b first(80, 100, 120), brighter(120, 130, 144);  // blue, green, red
+  Receiver seen;
+  std::vector<SE3> poses;
+  for (int i = 0; i < 6; ++i) {
+    poses.push_back(at(0.3 * i));
+    seen.add(view_of_wall(small_camera(), poses.back(), kFrontWallZ_m, i < 2 ? first : brighter),
+             poses.back());
+  }
+  seen.take(true);
+  for (const double x_m : {0.0, 0.5, 1.2}) {
+    const Eigen::Array3d color = mean_color(seen, poses, x_m - 0.2, x_m + 0.2);
+    EXPECT_LT((color - Eigen::Array3d(120, 100, 80)).abs().maxCoeff(), 3) << x_m << ": " << color.transpose();
+  }
+}
+
+TEST(ViewGain, IsTheMedianPerChannelOfWellExposedColours) {
+  std::vector<ColorPair> pairs(60, {{100, 80, 200}, {150, 80, 100}});
+  pairs.insert(pairs.end(), 20, {{60, 60, 60}, {240, 240, 240}});     // something else
+  pairs.insert(pairs.end(), 100, {{10, 255, 100}, {200, 200, 200}});  // dark and clipped
+  const auto gain = view_gain(pairs);
+  ASSERT_TRUE(gain);
+  EXPECT_TRUE(gain->isApprox(ColorGain(1.5F, 1, 0.5F)));
+}
+
+TEST(ViewGain, NeedsPairsAndIsLimited) {
+  const ColorPair dark{{60, 60, 60}, {240, 240, 60}};
+  EXPECT_FALSE(view_gain({}));
+  EXPECT_FALSE(view_gain(std::vector<ColorPair>(49, dark)));
+  const auto gain = view_gain(std::vector<ColorPair>(50, dark));
+  ASSERT_TRUE(gain);
+  EXPECT_TRUE(gain->isApprox(ColorGain(3, 3, 1)));
+}
+
 TEST(LiveMesh, LiesOnBothSidesOfACorner) {
   Receiver seen;
   constexpr double kSideX_m = 0.5;

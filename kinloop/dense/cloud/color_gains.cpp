@@ -16,10 +16,6 @@ constexpr double kVoxel_m = 0.03;
 /// Sample sizes per view and in total.
 constexpr size_t kPointsPerView = 5000, kPointsInAll = 300'000;
 
-/// Intensity range in which exposure acts as a factor: brighter values are clipped; black level, stray light
-/// and compression add a few levels to darker ones, which would look like a change of colour.
-constexpr uint8_t kDarkest = 50, kBrightest = 245;
-
 /// Standard deviations of log colour: between views of a voxel, and of the prior on gains (weak: a factor of
 /// 1.6).
 constexpr double kColorSigma = 0.1, kGainSigma = 0.5;
@@ -34,11 +30,6 @@ struct ColorObservation {
 
 /// One column per view: the logarithms of its gains.
 using LogGains = Eigen::Array3Xd;
-
-bool well_exposed(const Rgb& color) {
-  const auto [least, most] = std::minmax_element(color.begin(), color.end());
-  return *least >= kDarkest && *most <= kBrightest;
-}
 
 bool precedes(const ColorObservation& a, const ColorObservation& b) {
   return std::tie(a.voxel, a.view) < std::tie(b.voxel, b.view);
@@ -64,7 +55,7 @@ std::vector<ColorObservation> observe(const ImageSurfels& surfels, uint32_t numb
                                       const DenseCamera& camera, const RayTable& rays,
                                       uint64_t last_scattered) {
   ImageSurfels some = thinned(surfels, kPointsPerView);
-  std::erase_if(some.points, [](const Surfel& point) { return !well_exposed(point.color); });
+  std::erase_if(some.points, [](const Surfel& point) { return !is_well_exposed(point.color); });
   std::vector<ColorObservation> seen;
   for (const VoxelSample& sample : voxel_samples(some, view, camera, rays, kVoxel_m)) {
     if (hash_key(sample.key) > last_scattered) continue;
@@ -187,6 +178,12 @@ std::vector<ColorObservation> observe_all(const SurfelLoader& load_surfels, std:
 }
 
 }  // namespace
+
+bool is_well_exposed(const Rgb& color) {
+  constexpr uint8_t kDarkest = 50, kBrightest = 245;
+  const auto [least, most] = std::minmax_element(color.begin(), color.end());
+  return *least >= kDarkest && *most <= kBrightest;
+}
 
 std::vector<Eigen::Vector3f> color_gains(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
                                          const DenseCamera& camera, int threads) {

@@ -9,6 +9,10 @@
 
 namespace kinloop {
 
+/// Returns whether exposure acts as a factor on a colour: brighter ones are clipped; black level, stray light
+/// and compression add a few levels to darker ones, which would look like a change of colour.
+bool is_well_exposed(const Rgb& color);
+
 /// Returns gains for red, green and blue of every view, with a geometric mean of 1; 1 for a view that shares
 /// no surface with others. The result does not depend on `threads`.
 std::vector<Eigen::Vector3f> color_gains(const SurfelLoader& load_surfels, std::span<const PosedImage> views,

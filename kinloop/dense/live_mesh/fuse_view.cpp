@@ -33,6 +33,13 @@ class BlockFusion {
         radius_m_(std::sqrt(3.0) / 2 * kTsdfBlockEdge * scale.voxel_m),
         truncation_m_(static_cast<float>(scale.truncation_m)),
         colored_m_(static_cast<float>(kColored_voxels * scale.voxel_m)) {
+    for (size_t i = 0; i < compensated_.size(); ++i) {
+      for (size_t value = 0; value < compensated_[i].size(); ++value) {
+        constexpr float kBrightest = 255;
+        const float factor = view.color_gain[static_cast<Eigen::Index>(i)];
+        compensated_[i][value] = std::min(kBrightest, factor * static_cast<float>(value));
+      }
+    }
     const PinholeCamera& camera = view.camera.color;
     K_ << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
   }
@@ -133,12 +140,12 @@ class BlockFusion {
     return true;
   }
 
-  static void add_color(TsdfVoxel& voxel, const cv::Vec3b& bgr, float weight) {
+  void add_color(TsdfVoxel& voxel, const cv::Vec3b& bgr, float weight) const {
     const float total = static_cast<float>(voxel.color_weight) + weight;
     const float share = weight / total;
     for (size_t i = 0; i < 3; ++i) {
       const auto before = static_cast<float>(voxel.color[i]);
-      const auto measured = static_cast<float>(bgr[2 - static_cast<int>(i)]);
+      const float measured = compensated_[i][bgr[2 - static_cast<int>(i)]];
       voxel.color[i] = static_cast<uint8_t>(std::lround(before + (measured - before) * share));
     }
     constexpr float kMaxWeight = 255;
@@ -152,6 +159,7 @@ class BlockFusion {
   double radius_m_;  // of the ball around a block
   float truncation_m_, colored_m_;
   Eigen::Matrix3d K_;
+  std::array<std::array<float, 256>, 3> compensated_{};  // red, green and blue with the gain of the view
 };
 
 }  // namespace

@@ -52,6 +52,14 @@ std::vector<Eigen::Vector3f> sampled_surface(const FusionView& view, int stride_
   return points;
 }
 
+std::optional<Rgb> color_at(const FusionView& view, const Eigen::Vector3f& p_camera) {
+  const Eigen::Vector2d pixel = view.camera.color.project(p_camera.cast<double>());
+  if (!view.camera.color.contains(pixel, 1)) return std::nullopt;
+  const auto& bgr = view.color.at<cv::Vec3b>(
+      cv::Point(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))));
+  return Rgb{bgr[2], bgr[1], bgr[0]};
+}
+
 DepthTiles::DepthTiles(const cv::Mat& depth_m) : columns_((depth_m.cols + kTileEdgePx - 1) / kTileEdgePx) {
   const int rows = (depth_m.rows + kTileEdgePx - 1) / kTileEdgePx;
   tiles_.resize(index(rows, 0), kUnknown);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kinloop/dense/image_store.hpp"
+#include "kinloop/dense/live_mesh/view_gain.hpp"
 #include "kinloop/dense/options.hpp"
 #include "kinloop/dense/posed_image.hpp"
 
@@ -16,6 +17,7 @@ struct FusionView {
   Velocity velocity = {};               ///< in camera axes
   double depth_stamp_difference_s = 0;  ///< PosedImage::depth_stamp_difference_s
   cv::Mat color;                        ///< 8UC3, BGR
+  ColorGain color_gain = ColorGain::Ones();
   /// 32FC1, m: positive where a pixel may define a surface, negative where it only tells of free space (at
   /// depth edges it may be a mean of both sides), 0 where nothing is known.
   cv::Mat depth_m;
@@ -32,6 +34,9 @@ FusionView make_fusion_view(const RgbdImages& images, const DenseCamera& camera,
 
 /// Returns points of the surfaces in view, one per `stride_px` squared pixels, in camera axes at the stamp.
 std::vector<Eigen::Vector3f> sampled_surface(const FusionView& view, int stride_px);
+
+/// Returns the colour of the image at a point in camera axes; nullopt outside.
+std::optional<Rgb> color_at(const FusionView& view, const Eigen::Vector3f& p_camera);
 
 /// The least and the greatest depth in squares of pixels.
 class DepthTiles {

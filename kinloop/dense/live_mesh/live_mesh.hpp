@@ -65,6 +65,10 @@ class LiveMesh {
   using WantedBlock = std::pair<size_t, VoxelKey>;  // of which part
 
   [[nodiscard]] SE3 pose(const Part& part) const { return T_world_keyframe_[part.submap.anchor().value]; }
+  [[nodiscard]] std::vector<ColorPair> color_pairs(const FusionView& view,
+                                                   std::span<const Eigen::Vector3f> samples,
+                                                   const SE3& T_world_camera,
+                                                   std::span<const size_t> parts) const;
   [[nodiscard]] std::vector<size_t> agreeing_parts(std::span<const Eigen::Vector3f> samples,
                                                    const SE3& T_world_camera) const;
   std::vector<WantedBlock> wanted_blocks(std::span<const Eigen::Vector3f> samples, const SE3& T_world_camera,
@@ -81,7 +85,8 @@ class LiveMesh {
   TsdfScale scale_;
   std::vector<SE3> T_world_keyframe_;
   std::deque<Part> parts_;
-  std::vector<MeshPiece> released_;  // the last states of pieces whose voxels were released
+  std::vector<MeshPiece> released_;     // the last states of pieces whose voxels were released
+  ColorGain gain_ = ColorGain::Ones();  // of the last view
   uint64_t views_ = 0;
   uint32_t pieces_ = 0;
 };

@@ -14,6 +14,10 @@ constexpr float kAgreeing = 0.5F;
 /// In front of and behind a surface, voxels, within which another one is the same.
 constexpr float kSame_voxels = 2;
 
+bool is_at_surface(const TsdfVoxel& voxel) {
+  return static_cast<float>(std::abs(voxel.distance)) < kAgreeing * TsdfVoxel::kDistanceUnits;
+}
+
 }  // namespace
 
 bool Submap::is_near(const Eigen::Vector3f& point, double margin_m) const {
@@ -46,16 +50,25 @@ ViewAgreement Submap::agreement(std::span<const Eigen::Vector3f> points, const E
       found.agreeing += agrees ? 1 : 0;
       continue;
     }
-    const Eigen::Vector3i voxel = voxel_at(point / scale_.voxel_m + Eigen::Vector3f::Constant(0.5F));
-    const TsdfBlock* block = blocks_.find(voxel_key(voxel));
-    if (block == nullptr) continue;
-    const TsdfVoxel& there = (*block->voxels)[index_in_tsdf_block(voxel)];
-    if (there.weight == 0) continue;
+    const TsdfVoxel* there = nearest_voxel(point);
+    if (there == nullptr || there->weight == 0) continue;
     ++found.known;
-    found.agreeing +=
-        static_cast<float>(std::abs(there.distance)) < kAgreeing * TsdfVoxel::kDistanceUnits ? 1 : 0;
+    found.agreeing += is_at_surface(*there) ? 1 : 0;
   }
   return found;
+}
+
+const TsdfVoxel* Submap::nearest_voxel(const Eigen::Vector3f& point) const {
+  const Eigen::Vector3i voxel = voxel_at(point / scale_.voxel_m + Eigen::Vector3f::Constant(0.5F));
+  const TsdfBlock* block = blocks_.find(voxel_key(voxel));
+  if (block == nullptr || block->voxels == nullptr) return nullptr;
+  return &(*block->voxels)[index_in_tsdf_block(voxel)];
+}
+
+std::optional<Rgb> Submap::color_at(const Eigen::Vector3f& point) const {
+  const TsdfVoxel* there = nearest_voxel(point);
+  if (there == nullptr || there->color_weight == 0 || !is_at_surface(*there)) return std::nullopt;
+  return there->color;
 }
 
 VoxelKey Submap::block_at(const Eigen::Vector3f& point) const {

@@ -4,6 +4,7 @@
 // camera frame, metres.
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 #include <Eigen/Geometry>
@@ -67,6 +68,9 @@ class Submap {
   [[nodiscard]] ViewAgreement agreement(std::span<const Eigen::Vector3f> points,
                                         const Eigen::Vector3f& eye) const;
 
+  /// The colour of the surface at a point; nullopt if none is known.
+  [[nodiscard]] std::optional<Rgb> color_at(const Eigen::Vector3f& point) const;
+
   /// The key of the block that contains a point, and whether it is there.
   [[nodiscard]] VoxelKey block_at(const Eigen::Vector3f& point) const;
   [[nodiscard]] bool has_block(VoxelKey block) const { return blocks_.find(block) != nullptr; }
@@ -90,6 +94,7 @@ class Submap {
   void release();
 
  private:
+  [[nodiscard]] const TsdfVoxel* nearest_voxel(const Eigen::Vector3f& point) const;
   MeshChunk& chunk_at(VoxelKey first);
   void mark_grown(VoxelKey block);
 
