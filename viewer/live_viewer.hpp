@@ -2,6 +2,7 @@
 // Shows a run in progress: listens to Slam, serves browsers, receives their commands. A low-priority thread
 // prepares the data for browsers, so that tracking is not slowed down.
 
+#include <chrono>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -44,6 +45,9 @@ class LiveViewer {
 
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }
+
+  /// Waits until every browser has been sent what is known now, at most for so long.
+  void wait_until_sent(std::chrono::milliseconds most) const { service_.wait_until_sent(most); }
 
  private:
   void update(Scene& scene, size_t browsers);

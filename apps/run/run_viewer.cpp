@@ -14,8 +14,8 @@
 namespace kinloop {
 namespace {
 
-/// Long enough for a browser on the same machine to receive the rest.
-constexpr std::chrono::seconds kShutdownGrace{1};
+/// How long browsers may take to receive the rest.
+constexpr std::chrono::seconds kShutdownGrace{5};
 
 /// Matches PORT, HOST:PORT or [IPv6]:PORT, but neither a file of that name nor sim:room:7.
 bool looks_like_address(const std::string& word) {
@@ -92,7 +92,7 @@ void serve_until_interrupted(LiveViewer& viewer) {
   viewer.set_stage("finished");
   const bool somebody_there = isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0;
   if (!somebody_there || interrupted()) {
-    if (viewer.browsers() > 0) std::this_thread::sleep_for(kShutdownGrace);
+    viewer.wait_until_sent(kShutdownGrace);
     return;
   }
   log::info("run finished; viewer stays at {} until Ctrl-C", viewer.url());

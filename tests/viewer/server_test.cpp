@@ -53,6 +53,9 @@ class Served {
   /// The feed of a browser that opened the printed URL.
   [[nodiscard]] std::string feed() const { return "/feed?token=" + token(); }
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }
+  [[nodiscard]] bool wait_until_sent(int most_ms) const {
+    return service_.wait_until_sent(std::chrono::milliseconds(most_ms));
+  }
 
  private:
   void update(Scene& scene) {
@@ -385,6 +388,21 @@ TEST(ViewerServer, AStalledBrowserDoesNotBlockOthers) {
   // Nearly a GiB was sent; only one scene and, per stalled browser, one part is held in memory (plus the
   // sanitizers' overhead).
   EXPECT_LT(resident_mib() - before_mib, 400);
+}
+
+TEST(ViewerServer, WaitsUntilBrowsersHaveBeenSentEverything) {
+  constexpr int kLong_ms = 10'000, kShort_ms = 300;
+  Served served;
+  EXPECT_TRUE(served.wait_until_sent(kLong_ms)) << "nobody is there";
+  RawClient browser(served.port());
+  ASSERT_TRUE(browser.open_feed());
+  served.put(PartKind::kStatus, 0, {1, 2, 3});
+  EXPECT_TRUE(served.wait_until_sent(kLong_ms));
+  const auto part = browser.next_part();
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->body, "\1\2\3");
+  served.put(PartKind::kMesh, 0, WireBytes(20'000'000));
+  EXPECT_FALSE(served.wait_until_sent(kShort_ms)) << "the browser does not read";
 }
 
 TEST(ViewerServer, IdleConnectionsAreLimited) {

@@ -144,6 +144,13 @@ void ViewerServer::send_changes() {
   }
 }
 
+bool ViewerServer::is_up_to_date() const {
+  return std::all_of(browsers_.begin(), browsers_.end(), [](const auto& browser) {
+    const auto watching = browser.lock();
+    return !watching || watching->is_up_to_date();
+  });
+}
+
 size_t ViewerServer::browsers() const {
   return static_cast<size_t>(std::count_if(browsers_.begin(), browsers_.end(),
                                            [](const auto& browser) { return !browser.expired(); }));

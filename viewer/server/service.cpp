@@ -37,6 +37,16 @@ class ViewerService::Impl {
   [[nodiscard]] const std::string& url() const { return url_; }
   [[nodiscard]] size_t browsers() const { return browsers_; }
 
+  bool wait_until_sent(std::chrono::milliseconds most) const {
+    const auto until = std::chrono::steady_clock::now() + most;
+    const size_t updates = updates_ + 1;  // one may be in progress
+    while (updates_ <= updates || !up_to_date_) {
+      if (std::chrono::steady_clock::now() > until) return false;
+      std::this_thread::sleep_for(kBetweenUpdates);
+    }
+    return true;
+  }
+
  private:
   /// A failing viewer must not end the run.
   void run() {
@@ -55,6 +65,8 @@ class ViewerService::Impl {
     browsers_ = server_.browsers();
     update_(scene_, browsers_);
     server_.send_changes();
+    up_to_date_ = server_.is_up_to_date();
+    ++updates_;
     const auto busy = std::chrono::steady_clock::now() - began;
     timer_.expires_after(std::max<std::chrono::steady_clock::duration>(kBetweenUpdates, busy));
     timer_.async_wait([this](boost::system::error_code error) {
@@ -68,8 +80,9 @@ class ViewerService::Impl {
   boost::asio::steady_timer timer_;
   ViewerServer server_;
   std::string url_;
-  std::atomic<size_t> browsers_ = 0;
-  std::thread thread_;  // declared last: it uses all the others
+  std::atomic<size_t> browsers_ = 0, updates_ = 0;
+  std::atomic<bool> up_to_date_ = true;  // every browser, after the last update
+  std::thread thread_;                   // declared last: it uses all the others
 };
 
 ViewerService::ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,
@@ -84,6 +97,10 @@ const std::string& ViewerService::url() const {
 
 size_t ViewerService::browsers() const {
   return impl_->browsers();
+}
+
+bool ViewerService::wait_until_sent(std::chrono::milliseconds most) const {
+  return impl_->wait_until_sent(most);
 }
 
 }  // namespace kinloop

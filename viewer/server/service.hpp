@@ -1,6 +1,7 @@
 #pragma once
 // A scene, its server and the thread that runs both.
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -27,6 +28,10 @@ class ViewerService {
 
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const;
+
+  /// Waits until the scene has been updated and every browser has been sent it, at most for so long; returns
+  /// whether that is so.
+  bool wait_until_sent(std::chrono::milliseconds most) const;
 
  private:
   class Impl;  // keeps Boost.Asio out of the headers

@@ -38,6 +38,9 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   /// Sends what the browser has not seen, unless that is in progress.
   void send_next();
 
+  /// Whether the browser has been sent the whole scene.
+  [[nodiscard]] bool is_up_to_date() const;
+
   [[nodiscard]] bool may_control() const { return on_command_ != nullptr; }
 
  private:
