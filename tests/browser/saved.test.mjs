@@ -82,7 +82,10 @@ async function checkLook(page, shoot) {
 async function checkSlowFrames(page) {
   const moving = await page.evaluate(() => {
     const { view } = window.kinloop;
-    for (let i = 0; i < 20; ++i) view.adapt(500);
+    for (let i = 0; i < 20; ++i) {
+      view.turned = true;
+      view.adapt(500);
+    }
     view.draw();
     const { width, clientWidth } = view.renderer.domElement;
     return { share: view.share, width, clientWidth };

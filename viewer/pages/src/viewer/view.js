@@ -28,7 +28,7 @@ export class View {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true, preserveDrawingBuffer: true });
     this.resolution = 1; // of the picture while something moves, relative to the one at rest
     this.setResolution(1);
-    this.cameraControls = new CameraControls(canvas, world, () => (this.dirty = true));
+    this.cameraControls = new CameraControls(canvas, world, () => (this.dirty = this.turned = true));
     this.floor = new Floor();
     const headlight = new DirectionalLight(0xffffff, 2); // for meshes without colours
     headlight.position.z = 1;
@@ -50,6 +50,7 @@ export class View {
     this.onMeasured = () => {};
     this.onDrawn = () => {};
     this.share = 1;
+    this.turned = false; // whether the viewpoint has moved since the last frame
     this.slowFrames = 0;
     this.lastMs = performance.now();
     this.changedMs = this.lastMs;
@@ -82,6 +83,7 @@ export class View {
     if (this.dirty) {
       this.changedMs = nowMs;
       this.adapt(passedMs);
+      this.turned = false;
       this.draw();
     } else if (this.unfinished && nowMs - this.changedMs > REST_MS) {
       this.drawNextSlice();
@@ -100,8 +102,9 @@ export class View {
     const smoothing = 0.9;
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
     const isLeast = this.adaptShare(passedMs);
-    this.slowFrames = isLeast && passedMs > SLOW_MS ? this.slowFrames + 1 : 0;
+    this.slowFrames = isLeast && this.turned && passedMs > SLOW_MS ? this.slowFrames + 1 : 0;
     if (this.slowFrames >= 2) this.setResolution(Math.max(LEAST_RESOLUTION, LARGER * this.resolution));
+    if (!this.turned) this.setResolution(1); // a map that grows may take longer
   }
 
   /** Adapts the share of the map that is drawn; returns whether no less can be drawn. */
