@@ -26,8 +26,17 @@ class TwoVisits : public testing::Test {
   }
 
   /// Compares them if the first keyframes of both are at one place.
-  [[nodiscard]] RoomComparison compare() const {
-    return compare_components(map_, {KeyframeId{0}, KeyframeId{6}, SE3{}}, sensor_);
+  [[nodiscard]] RoomComparison compare(const SE3& T_a_b = {}, int required_views = 0) const {
+    return compare_rooms(problem(T_a_b, required_views)).rooms.at({KeyframeId{0}, KeyframeId{6}});
+  }
+
+  [[nodiscard]] JoinProblem problem(const SE3& T_a_b = {}, int required_views = 0) const {
+    JoinProblem problem{.joins = {{{KeyframeId{0}, KeyframeId{6}, T_a_b}, required_views}},
+                        .views = {},
+                        .looks = {},
+                        .sensor = sensor_};
+    for (const Keyframe& keyframe : map_.keyframes()) problem.views.push_back(view_of(keyframe));
+    return problem;
   }
 
   Map map_;
@@ -72,7 +81,7 @@ TEST_F(TwoVisits, ViewsThatDoNotOverlapSayNothing) {
   away.T_world_camera.emplace_back(KeyframeId{6}, test::camera_at(1.5, {0, 0, 20}));
   ASSERT_TRUE(map_.apply(away));
   const SE3 T_far = test::camera_at(3, {30, 0, 0});
-  const RoomComparison none = compare_components(map_, {KeyframeId{0}, KeyframeId{6}, T_far}, sensor_);
+  const RoomComparison none = compare(T_far);
   EXPECT_EQ(none.depths.consistent + none.depths.free_space_violations, 0);
   EXPECT_EQ(none.looks.views, 0);
   EXPECT_FALSE(refutes_same_room(none));
