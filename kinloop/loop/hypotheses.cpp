@@ -219,8 +219,9 @@ bool LoopHypotheses::joins_by_doubles(const Group& group, const Map& map) {
   for (const size_t member : group.waiting) {
     const LoopClosure& loop = waiting_[member].verified.loop;
     if (!has_double(map, loop.a) && !has_double(map, loop.b)) distinct.insert(loop.b);
+    if (static_cast<int>(distinct.size()) >= required_.keyframes) return false;
   }
-  return static_cast<int>(distinct.size()) < required_.keyframes;
+  return true;
 }
 
 /// Whether a loop joins a component in which the camera was falsely located, or two that a group of loops

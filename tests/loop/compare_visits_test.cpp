@@ -99,5 +99,30 @@ TEST_F(TwoVisits, DriftExplainsMoreFartherFromTheLoop) {
   EXPECT_LT(far.free_space_violations, near.free_space_violations);
 }
 
+TEST_F(TwoVisits, AreNotComparedIfTooFewViewsOverlap) {
+  visit(2), visit(2);
+  EXPECT_EQ(compare({}, 6).looks.views, 6);
+  EXPECT_EQ(compare({}, 7).looks.views, 0);
+}
+
+TEST_F(TwoVisits, ArePairsOfViewsThatAreComparedOnce) {
+  visit(2), visit(2);
+  const LoopEnds ends{KeyframeId{0}, KeyframeId{6}};
+  JoinProblem repainted = problem();
+  repainted.looks = compare_rooms(repainted).looks;
+  for (KeyframeView& view : repainted.views) {
+    if (view.component == 0) continue;
+    Features features = *view.features;
+    test::repaint(features);
+    view.features = std::make_shared<const Features>(std::move(features));
+  }
+  const auto different_views = [&] { return compare_rooms(repainted).rooms.at(ends).looks.different_views; };
+  EXPECT_EQ(different_views(), 0) << "as it was known";
+  repainted.joins[0].loop.T_a_b.translation.x() = 0.02;
+  EXPECT_EQ(different_views(), 0) << "alignment leads to the same pose";
+  repainted.joins[0].loop.T_a_b.translation.x() = 0.03;
+  EXPECT_EQ(different_views(), 1) << "drift does not explain that at the loop itself";
+}
+
 }  // namespace
 }  // namespace kinloop
