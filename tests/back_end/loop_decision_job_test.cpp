@@ -85,7 +85,9 @@ TEST_F(LoopDecision, LoopsThatComeMeanwhileAreDecidedWithTheirGroup) {
   const ComparedJoins compared = compare();
   EXPECT_THAT(compared.rooms, SizeIs(1)) << "one for all that agree";
   EXPECT_FALSE(add(3).loops_added);
-  EXPECT_TRUE(job_.apply(map_, compared)->loops_added);
+  const auto joined = job_.apply(map_, compared);
+  ASSERT_TRUE(joined);
+  EXPECT_TRUE(joined->loops_added);
   EXPECT_THAT(map_.loop_closures(), SizeIs(4));
 }
 
@@ -96,15 +98,21 @@ TEST_F(LoopDecision, ComparesAgainIfTheWholeMapHasMovedMeanwhile) {
   map_.advance_epoch();
   EXPECT_FALSE(job_.apply(map_, compared)) << "components may have been parted";
   job_.on_stale(std::move(compared));
-  EXPECT_TRUE(job_.apply(map_, compare())->loops_added);
+  const auto joined = job_.apply(map_, compare());
+  ASSERT_TRUE(joined);
+  EXPECT_TRUE(joined->loops_added);
 }
 
 TEST_F(LoopDecision, LoopsOfKeyframesThatAreWithdrawnMeanwhileAreForgotten) {
   visit(), visit();
   for (const uint32_t i : {0U, 1U, 2U}) add(i);
-  const ComparedJoins compared = compare();
-  map_.withdraw(KeyframeId{kPerVisit + 1});
-  EXPECT_FALSE(job_.apply(map_, compared)->loops_added);
+  ComparedJoins compared = compare();
+  map_.withdraw(KeyframeId{kPerVisit + 2});
+  EXPECT_FALSE(job_.apply(map_, compared)) << "the map has changed";
+  job_.on_stale(std::move(compared));
+  const auto decided = job_.apply(map_, compare());
+  ASSERT_TRUE(decided);
+  EXPECT_FALSE(decided->loops_added) << "two keyframes are too few";
   EXPECT_FALSE(job_.is_due(context_));
   EXPECT_THAT(map_.loop_closures(), IsEmpty());
 }
@@ -113,7 +121,9 @@ TEST_F(LoopDecision, AtTheEndTwoKeyframesAreEnough) {
   visit(), visit();
   for (const uint32_t i : {0U, 1U}) add(i);
   EXPECT_FALSE(job_.finish(map_).loops_added);
-  EXPECT_TRUE(job_.apply(map_, compare())->loops_added);
+  const auto joined = job_.apply(map_, compare());
+  ASSERT_TRUE(joined);
+  EXPECT_TRUE(joined->loops_added);
   EXPECT_THAT(map_.loop_closures(), SizeIs(2));
 }
 
