@@ -144,7 +144,8 @@ json timings_json(const Timings& times) {
     timings[module] = {{"wall_s", elapsed.wall_s},
                        {"cpu_s", elapsed.cpu_s},
                        {"median_ms", quantile(elapsed.samples_ms, 0.5)},
-                       {"p95_ms", quantile(elapsed.samples_ms, 0.95)}};
+                       {"p95_ms", quantile(elapsed.samples_ms, 0.95)},
+                       {"cpu_p95_ms", quantile(elapsed.cpu_samples_ms, 0.95)}};
   }
   return timings;
 }

@@ -6,7 +6,8 @@ namespace kinloop {
 
 BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, HasDouble has_double)
     : map_(map),
-      verification_{LoopVerificationJob(options, std::move(has_double))},
+      verification_{LoopVerificationJob(options)},
+      decision_{LoopDecisionJob(options, std::move(has_double))},
       correction_{LoopCorrectionJob(options)},
       join_check_{JoinCheckJob(options)},
       global_ba_{GlobalBaJob(options)},
@@ -16,6 +17,7 @@ BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& 
 
 void BackEnd::submit(FrameId now, const JobContext& context) {
   submit(verification_, now, context);
+  submit(decision_, now, context);
   submit(correction_, now, context);  // before jobs that wait for it
   submit(join_check_, now, context);
   submit(global_ba_, now, context);
@@ -37,7 +39,7 @@ AppliedResults BackEnd::apply_remaining(const JobContext& context) {
 
 AppliedResults BackEnd::apply_last(const JobContext& context) {
   solve_remaining(context);
-  take(verification_.kind.finish(map_));
+  take(decision_.kind.finish(map_));
   solve_remaining(context);
   take(join_check_.kind.finish(map_));
   return apply_remaining(context);
@@ -47,6 +49,7 @@ AppliedResults BackEnd::apply_last(const JobContext& context) {
 void BackEnd::solve_remaining(const JobContext& context) {
   complete(executor_->drain());
   solve_now(verification_, context);
+  while (decision_.kind.is_due(context)) solve_now(decision_, context);
   solve_now(correction_, context);
   solve_now(join_check_, context);
 }
@@ -83,9 +86,10 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
 }
 
 void BackEnd::take(AppliedSolution applied) {
+  if (!applied.verified.empty()) take(decision_.kind.add(map_, applied.verified));
   results_.map_changed |= applied.map_changed;
   loops_corrected_ |= applied.loops_corrected;
-  if (!applied.refuted_joins.empty()) verification_.kind.refute(applied.refuted_joins);
+  if (!applied.refuted_joins.empty()) decision_.kind.refute(applied.refuted_joins);
   if (applied.loops_added) correction_.kind.add(applied.merges);
   if (applied.sensor) results_.sensor = std::move(applied.sensor);
   if (results_.T_world_keyframe_before.empty())
@@ -104,8 +108,8 @@ bool BackEnd::global_correction_in_flight() const {
   const auto in_flight = [this]<class Kind>(const Slot<Kind>& /*slot*/) {
     return Kind::kMovesWholeMap && executor_->busy(Kind::kName);
   };
-  return in_flight(verification_) || in_flight(correction_) || in_flight(global_ba_) ||
-         in_flight(local_ba_) || in_flight(self_calibration_);
+  return in_flight(verification_) || in_flight(decision_) || in_flight(correction_) ||
+         in_flight(global_ba_) || in_flight(local_ba_) || in_flight(self_calibration_);
 }
 
 }  // namespace kinloop

@@ -16,6 +16,7 @@
 #include "kinloop/back_end/jobs/join_check_job.hpp"
 #include "kinloop/back_end/jobs/local_ba_job.hpp"
 #include "kinloop/back_end/jobs/loop_correction_job.hpp"
+#include "kinloop/back_end/jobs/loop_decision_job.hpp"
 #include "kinloop/back_end/jobs/loop_verification_job.hpp"
 #include "kinloop/back_end/jobs/self_calibration_job.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
@@ -45,11 +46,11 @@ class BackEnd {
   void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
 
   /// Says that the camera was falsely located in the component of this keyframe: loops join it later.
-  void suspect(KeyframeId place) { verification_.kind.suspect(place); }
+  void suspect(KeyframeId place) { decision_.kind.suspect(place); }
 
   /// Records the first keyframe of a component and the last trusted pose before it, see LoopHypotheses.
   void add_beginning(KeyframeId first, const TrustedPose& before) {
-    verification_.kind.add_beginning(first, before);
+    decision_.kind.add_beginning(first, before);
   }
 
   /// Submits the jobs due at frame `now`.
@@ -85,6 +86,7 @@ class BackEnd {
 
   Map& map_;
   Slot<LoopVerificationJob> verification_;
+  Slot<LoopDecisionJob> decision_;
   Slot<LoopCorrectionJob> correction_;
   Slot<JoinCheckJob> join_check_;
   Slot<GlobalBaJob> global_ba_;

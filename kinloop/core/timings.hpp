@@ -12,7 +12,8 @@ namespace kinloop {
 /// Wall and CPU time [s] per module, and time [ms] per frame.
 struct Timings {
   struct Module : ElapsedTime {
-    std::vector<double> samples_ms;  ///< wall time of each call, per frame or per keyframe
+    std::vector<float> samples_ms;      ///< wall time of each call, per frame or per keyframe
+    std::vector<float> cpu_samples_ms;  ///< CPU time of each call
   };
   std::map<std::string, Module> modules;
   std::vector<double> frame_ms;  ///< preparation, tracking and mapping of each frame
@@ -20,7 +21,8 @@ struct Timings {
   void add(const std::string& module, const ElapsedTime& elapsed) {
     Module& sum = modules[module];
     sum += elapsed;
-    sum.samples_ms.push_back(1e3 * elapsed.wall_s);
+    sum.samples_ms.push_back(static_cast<float>(1e3 * elapsed.wall_s));
+    sum.cpu_samples_ms.push_back(static_cast<float>(1e3 * elapsed.cpu_s));
   }
 };
 

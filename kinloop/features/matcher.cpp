@@ -63,7 +63,8 @@ bool plausible(const ProjectedPoint& point, const Features& features, uint32_t i
 
 /// Row or column of a position in cells; that at the border for one outside, the first one for NaN.
 int nearest_cell(double position, int count) {
-  return static_cast<int>(std::fmin(std::fmax(position, 0), count - 1));
+  if (!(position > 0)) return 0;
+  return position < count - 1 ? static_cast<int>(position) : count - 1;
 }
 
 }  // namespace
@@ -94,7 +95,7 @@ std::vector<Match> filter_matches_by_distance(std::span<const Match> matches, do
 }
 
 FeatureGrid::FeatureGrid(const Features& features, int width_px, int height_px)
-    : features_(features), columns_(width_px / kCellPx + 1), rows_(height_px / kCellPx + 1) {
+    : columns_(width_px / kCellPx + 1), rows_(height_px / kCellPx + 1) {
   const auto cell_of = [&](const Eigen::Vector2f& pixel) {
     return cell_index(row_of(pixel.y()), column_of(pixel.x()));
   };
@@ -104,6 +105,8 @@ FeatureGrid::FeatureGrid(const Features& features, int width_px, int height_px)
   std::vector<uint32_t> next(first_of_cell_.begin(), first_of_cell_.end() - 1);
   indices_.resize(features.size());
   for (uint32_t i = 0; i < features.size(); ++i) indices_[next[cell_of(features.pixels[i])]++] = i;
+  pixels_.reserve(features.size());
+  for (const uint32_t i : indices_) pixels_.push_back(features.pixels[i]);
 }
 
 size_t FeatureGrid::cell_index(int row, int column) const {
@@ -120,17 +123,23 @@ int FeatureGrid::row_of(double y) const {
 
 void FeatureGrid::features_in_area(const Eigen::Vector2d& pixel, double radius_px,
                                    std::vector<uint32_t>& found) const {
-  found.clear();
-  const int column_end = column_of(pixel.x() + radius_px), row_end = row_of(pixel.y() + radius_px);
+  const int column_begin = column_of(pixel.x() - radius_px), column_end = column_of(pixel.x() + radius_px);
+  const int row_end = row_of(pixel.y() + radius_px);
+  const auto is_near = [&](const Eigen::Vector2f& other) {
+    return std::abs(static_cast<double>(other.x()) - pixel.x()) <= radius_px &&
+           std::abs(static_cast<double>(other.y()) - pixel.y()) <= radius_px;
+  };
+  size_t count = 0;
   for (int row = row_of(pixel.y() - radius_px); row <= row_end; ++row) {
-    for (int column = column_of(pixel.x() - radius_px); column <= column_end; ++column) {
-      const size_t cell = cell_index(row, column);
-      for (uint32_t k = first_of_cell_[cell]; k < first_of_cell_[cell + 1]; ++k) {
-        const Eigen::Vector2d offset = features_.pixels[indices_[k]].cast<double>() - pixel;
-        if (offset.cwiseAbs().maxCoeff() <= radius_px) found.push_back(indices_[k]);
-      }
+    const uint32_t begin = first_of_cell_[cell_index(row, column_begin)];
+    const uint32_t end = first_of_cell_[cell_index(row, column_end) + 1];
+    found.resize(count + end - begin);
+    for (uint32_t k = begin; k < end; ++k) {
+      found[count] = indices_[k];
+      count += static_cast<size_t>(is_near(pixels_[k]));  // without a branch, which would often go wrong
     }
   }
+  found.resize(count);
 }
 
 std::vector<Match> match_by_projection(std::span<const ProjectedPoint> points, const Features& features,

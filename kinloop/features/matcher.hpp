@@ -42,11 +42,11 @@ class FeatureGrid {
   [[nodiscard]] int column_of(double x) const;
   [[nodiscard]] int row_of(double y) const;
 
-  const Features& features_;
   int columns_;
   int rows_;
   std::vector<uint32_t> first_of_cell_;  ///< start of each cell in `indices_`, plus one end entry
   std::vector<uint32_t> indices_;
+  std::vector<Eigen::Vector2f> pixels_;  ///< in the order of `indices_`
 };
 
 /// A landmark projected into the image.

@@ -1,68 +1,89 @@
 #include "kinloop/loop/compare_visits.hpp"
 
-#include <limits>
-
 #include "kinloop/loop/align_views.hpp"
-#include "kinloop/map/view_difference.hpp"
 
 namespace kinloop {
 namespace {
 
 constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
 
-View view_of(const Keyframe& keyframe) {
-  return {*keyframe.features, keyframe.surfaces.get()};
+View seen_by(const KeyframeView& view) {
+  return {*view.features, view.surfaces.get()};
+}
+
+/// 2 to 3 % of the path, see drift.cpp.
+DriftBound drift_away_from_loop(double away_m) {
+  return {0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
+}
+
+/// Each view of the component of `loop.b` with the nearest one of the component of `loop.a`.
+std::vector<OverlappingViews> overlapping_views(const std::vector<KeyframeView>& all,
+                                                const LoopClosure& loop) {
+  const KeyframeView &end_a = all[loop.a.value], &end_b = all[loop.b.value];
+  const SE3 T_worlds = T_world_a_world_b(loop, end_a.T_world_camera, end_b.T_world_camera);
+  std::vector<OverlappingViews> overlapping;
+  for (const KeyframeView& b : all) {
+    if (b.component != end_b.component) continue;
+    const SE3 T_world_camera = T_worlds * b.T_world_camera;
+    const KeyframeView* a = nearest_view(
+        all, T_world_camera, [&](const KeyframeView& view) { return view.component == end_a.component; });
+    if (a == nullptr) continue;
+    const double away_m = (b.T_world_camera.translation - end_b.T_world_camera.translation).norm();
+    overlapping.push_back({*a, b, a->T_world_camera.inverse() * T_world_camera, away_m});
+  }
+  return overlapping;
+}
+
+RoomComparison compare_room(const std::vector<OverlappingViews>& overlapping, ComparedLooks& looks,
+                            const Sensor& sensor) {
+  RoomComparison comparison;
+  for (const OverlappingViews& views : overlapping) {
+    comparison.depths += compare_depths(seen_by(views.a), seen_by(views.b), views.T_a_b, sensor,
+                                        kSigma_m + kDriftPerMetre * views.away_m);
+    if (const auto look = looks.look(views, sensor)) comparison.looks.add(*look);
+  }
+  return comparison;
 }
 
 }  // namespace
 
-const Keyframe* nearest_view(const Map& map, const SE3& T_world_camera,
-                             const std::function<bool(const Keyframe&)>& is_wanted) {
-  const Keyframe* nearest = nullptr;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Keyframe& keyframe : map.keyframes()) {
-    if (!is_wanted(keyframe)) continue;
-    const auto difference = view_difference(keyframe.T_world_camera, T_world_camera);
-    if (!difference || *difference >= least) continue;
-    least = *difference;
-    nearest = &keyframe;
-  }
-  return nearest;
+KeyframeView view_of(const Keyframe& keyframe) {
+  return {keyframe.id, keyframe.component, keyframe.T_world_camera, keyframe.features, keyframe.surfaces};
 }
 
-std::optional<ViewComparison> compare_aligned(const Keyframe& a, const Keyframe& b, const SE3& T_a_b,
-                                              double away_m, const Sensor& sensor) {
-  // 2 to 3 % of the path, see drift.cpp.
-  const DriftBound drift{0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
-  const View view_a = view_of(a), view_b = view_of(b);
-  const auto aligned = align_views(view_a, view_b, {T_a_b, drift}, sensor);
+SE3 T_world_a_world_b(const LoopClosure& loop, const SE3& T_world_a, const SE3& T_world_b) {
+  return T_world_a * loop.T_a_b * T_world_b.inverse();
+}
+
+std::optional<ViewComparison> compare_aligned(const OverlappingViews& views, const Sensor& sensor) {
+  const View a = seen_by(views.a), b = seen_by(views.b);
+  const auto aligned = align_views(a, b, {views.T_a_b, drift_away_from_loop(views.away_m)}, sensor);
   if (!aligned) return std::nullopt;
-  return ViewComparison{appearance_p_value(view_a, view_b, aligned->T_reference_camera, sensor.camera),
-                        aligned->scale};
+  return ViewComparison{appearance_p_value(a, b, aligned->T_reference_camera, sensor.camera), aligned->scale};
 }
 
-SE3 T_world_a_world_b(const Map& map, const LoopClosure& loop) {
-  return map.keyframe(loop.a).T_world_camera * loop.T_a_b * map.keyframe(loop.b).T_world_camera.inverse();
+std::optional<ViewComparison> ComparedLooks::look(const OverlappingViews& views, const Sensor& sensor) {
+  constexpr double kNear = 0.5;  // of the drift for which alignment allows
+  const DriftBound drift = drift_away_from_loop(views.away_m);
+  const auto is_near = [&](const SE3& T_a_b) {
+    const SE3 error = T_a_b.inverse() * views.T_a_b;
+    return error.translation.norm() < kNear * drift.translation_m &&
+           error.angle_rad() < kNear * drift.rotation_rad;
+  };
+  const auto [known, added] = looks_.try_emplace({views.a.id, views.b.id});
+  if (added || !is_near(known->second.T_a_b)) known->second = {views.T_a_b, compare_aligned(views, sensor)};
+  return known->second.comparison;
 }
 
-RoomComparison compare_components(const Map& map, const LoopClosure& loop, const Sensor& sensor) {
-  const Keyframe &a = map.keyframe(loop.a), &b = map.keyframe(loop.b);
-  const SE3 T_worlds = T_world_a_world_b(map, loop);
-  RoomComparison comparison;
-  for (const Keyframe& keyframe : map.keyframes()) {
-    if (keyframe.component != b.component) continue;
-    const SE3 T_world_camera = T_worlds * keyframe.T_world_camera;
-    const Keyframe* other = nearest_view(map, T_world_camera,
-                                         [&](const Keyframe& view) { return view.component == a.component; });
-    if (other == nullptr) continue;
-    const double away_m = (keyframe.T_world_camera.translation - b.T_world_camera.translation).norm();
-    const SE3 T_other_camera = other->T_world_camera.inverse() * T_world_camera;
-    comparison.depths += compare_depths(view_of(*other), view_of(keyframe), T_other_camera, sensor,
-                                        kSigma_m + kDriftPerMetre * away_m);
-    const auto views = compare_aligned(*other, keyframe, T_other_camera, away_m, sensor);
-    if (views) comparison.looks.add(*views);
+ComparedJoins compare_rooms(const JoinProblem& problem) {
+  ComparedJoins compared{{}, problem.looks, problem.epoch};
+  for (const auto& [loop, required_views] : problem.joins) {
+    const auto overlapping = overlapping_views(problem.views, loop);
+    compared.rooms[loop.ends()] = static_cast<int>(overlapping.size()) < required_views
+                                      ? RoomComparison{}
+                                      : compare_room(overlapping, compared.looks, problem.sensor);
   }
-  return comparison;
+  return compared;
 }
 
 bool refutes_same_room(const RoomComparison& comparison) {

@@ -10,9 +10,6 @@
 namespace kinloop {
 namespace {
 
-constexpr int kAgreeingKeyframes = 3;  // during the run
-constexpr int kAgreeingKeyframesAtEnd = 2;
-constexpr int kViewsOfSuspect = 20, kViewsOfSuspectAtEnd = 4;
 constexpr size_t kLead = 2;  // keyframes more than those of a place that contradicts
 
 /// The covariances of both loops and the drift between their ends: 2 to 3 % of the path, see drift.cpp.
@@ -71,46 +68,6 @@ LoopRelation relate(const Map& map, const LoopClosure& x, const EndDistances& di
   return excess <= 1 && travelled_m <= kMaxTravelled_m ? LoopRelation::kAgree : LoopRelation::kUnknown;
 }
 
-/// The loops that agree with one, and how many keyframes support and contradict it.
-struct Group {
-  std::vector<size_t> waiting;  ///< indices, with the loop itself
-  std::vector<size_t> rivals;   ///< waiting loops that contradict it from nearby
-  std::set<KeyframeId> keyframes, rival_keyframes;
-  std::vector<RelativeScale> scales;
-
-  [[nodiscard]] bool is_ambiguous() const {
-    return !rival_keyframes.empty() && keyframes.size() < rival_keyframes.size() + kLead;
-  }
-};
-
-Group group_of(size_t index, const std::vector<LoopVerificationResult>& waiting, const Map& map) {
-  constexpr double kNearby_m = 3;  // along the path: of the same visit
-  const LoopClosure& x = waiting[index].loop;
-  const EndDistances distances(map, x);
-  Group group;
-  const auto take = [&](const LoopClosure& y) {
-    group.keyframes.insert(y.b);
-    group.scales.push_back(directed_as(x, y, map)->evidence.scale);
-  };
-  for (size_t i = 0; i < waiting.size(); ++i) {
-    const LoopClosure& y = waiting[i].loop;
-    const LoopRelation relation = i == index ? LoopRelation::kAgree : relate(map, x, distances, y);
-    if (relation == LoopRelation::kAgree) {
-      group.waiting.push_back(i);
-      take(y);
-    } else if (relation == LoopRelation::kContradict &&
-               std::min(distances.from_a_m[y.b.value], distances.from_b_m[y.b.value]) < kNearby_m) {
-      group.rivals.push_back(i);
-      group.rival_keyframes.insert(y.b);
-    }
-  }
-  for (const LoopClosure& y : map.loop_closures()) {
-    if (distances.from_b_m[y.b.value] < kNearby_m && relate(map, x, distances, y) == LoopRelation::kAgree)
-      take(y);
-  }
-  return group;
-}
-
 bool is_usable(const Map& map, const LoopClosure& loop) {
   return !map.keyframe(loop.a).withdrawn && !map.keyframe(loop.b).withdrawn;
 }
@@ -139,31 +96,94 @@ bool fits_map(const Map& map, const LoopClosure& loop) {
   return error.translation.norm() < kMaxBend_m && error.angle_rad() < kMaxBend_rad;
 }
 
-LoopDecisions LoopHypotheses::add(const Map& map, std::vector<LoopVerificationResult> verified,
-                                  const Sensor& sensor) {
-  std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
-  const size_t first = waiting_.size();
-  for (LoopVerificationResult& result : verified) {
-    if (is_usable(map, result.loop)) waiting_.push_back(std::move(result));
+const LoopHypotheses::Requirements LoopHypotheses::kDuringRun{3, 20}, LoopHypotheses::kAtEnd{2, 4};
+
+/// The loops that agree with one, and how many keyframes support and contradict it.
+struct LoopHypotheses::Group {
+  std::vector<size_t> waiting;  ///< indices, with the loop itself
+  std::vector<size_t> rivals;   ///< waiting loops that contradict it from nearby
+  std::set<KeyframeId> keyframes, rival_keyframes;
+  std::vector<RelativeScale> scales;
+
+  [[nodiscard]] bool is_ambiguous() const {
+    return !rival_keyframes.empty() && keyframes.size() < rival_keyframes.size() + kLead;
   }
-  return decide(first, {map, sensor, kAgreeingKeyframes, kViewsOfSuspect});
+};
+
+/// What becomes of a loop, or of its group if that is accepted or rejected.
+struct LoopHypotheses::Verdict {
+  LoopStage stage;
+  LoopReason reason;
+};
+
+LoopDecisions LoopHypotheses::add(const Map& map, std::vector<LoopVerificationResult> verified) {
+  required_ = kDuringRun;
+  for (LoopVerificationResult& result : verified) waiting_.push_back({std::move(result)});
+  return decide(map);
 }
 
-LoopDecisions LoopHypotheses::finish(const Map& map, const Sensor& sensor) {
-  std::erase_if(waiting_, [&](const auto& waiting) { return !is_usable(map, waiting.loop); });
-  return decide(0, {map, sensor, kAgreeingKeyframesAtEnd, kViewsOfSuspectAtEnd});
+LoopDecisions LoopHypotheses::finish(const Map& map) {
+  required_ = kAtEnd;
+  for (Waiting& waiting : waiting_) waiting.state = State::kUndecided;
+  return decide(map);
 }
 
-/// What refutes a group of loops with these scales, although they agree; kNone if nothing does.
-LoopReason LoopHypotheses::refute(size_t index, const std::vector<RelativeScale>& scales, const Map& map,
-                                  const CompareRooms& compare_rooms) const {
-  const LoopClosure& loop = waiting_[index].loop;
-  if (refutes_same_place(combine(scales))) return LoopReason::kScale;
-  if (!joins_components(map, loop)) return LoopReason::kNone;
-  if (is_out_of_reach(loop, map)) return LoopReason::kDoesNotFit;
-  const RoomComparison& rooms = compare_rooms();
-  if (rooms.looks.refute_same_place()) return LoopReason::kLooksDifferent;
-  return refutes_same_room(rooms) ? LoopReason::kDoesNotFit : LoopReason::kNone;
+LoopDecisions LoopHypotheses::decide(const Map& map, const ComparedJoins& compared) {
+  rooms_ = compared.rooms;
+  looks_ = compared.looks;
+  LoopDecisions decisions = decide(map);
+  rooms_.clear();                                // later there will be more views
+  if (!decisions.accepted.empty()) looks_ = {};  // of components that are one now
+  return decisions;
+}
+
+JoinProblem LoopHypotheses::join_problem(const Map& map, const Sensor& sensor) const {
+  JoinProblem problem{.joins = {}, .views = {}, .looks = looks_, .sensor = sensor, .epoch = map.epoch()};
+  for (const LoopClosure& loop : asked_)
+    problem.joins.push_back({loop, joins_suspects(loop, map) ? required_.views_of_suspect : 0});
+  for (const Keyframe& keyframe : map.keyframes()) problem.views.push_back(view_of(keyframe));
+  return problem;
+}
+
+void LoopHypotheses::forget_withdrawn(const Map& map) {
+  std::erase_if(waiting_, [&](const Waiting& waiting) { return !is_usable(map, waiting.verified.loop); });
+}
+
+LoopHypotheses::Group LoopHypotheses::group_of(size_t index, const Map& map) const {
+  constexpr double kNearby_m = 3;  // along the path: of the same visit
+  const LoopClosure& x = waiting_[index].verified.loop;
+  const EndDistances distances(map, x);
+  Group group;
+  const auto take = [&](const LoopClosure& y) {
+    group.keyframes.insert(y.b);
+    group.scales.push_back(directed_as(x, y, map)->evidence.scale);
+  };
+  for (size_t i = 0; i < waiting_.size(); ++i) {
+    const LoopClosure& y = waiting_[i].verified.loop;
+    const LoopRelation relation = i == index ? LoopRelation::kAgree : relate(map, x, distances, y);
+    if (relation == LoopRelation::kAgree) {
+      group.waiting.push_back(i);
+      take(y);
+    } else if (relation == LoopRelation::kContradict &&
+               std::min(distances.from_a_m[y.b.value], distances.from_b_m[y.b.value]) < kNearby_m) {
+      group.rivals.push_back(i);
+      group.rival_keyframes.insert(y.b);
+    }
+  }
+  for (const LoopClosure& y : map.loop_closures()) {
+    if (distances.from_b_m[y.b.value] < kNearby_m && relate(map, x, distances, y) == LoopRelation::kAgree)
+      take(y);
+  }
+  return group;
+}
+
+/// What the views say of a group; null if they have not been compared.
+const RoomComparison* LoopHypotheses::rooms_of(const Group& group) const {
+  for (const size_t member : group.waiting) {
+    const auto found = rooms_.find(waiting_[member].verified.loop.ends());
+    if (found != rooms_.end()) return &found->second;
+  }
+  return nullptr;
 }
 
 /// Whether a loop would place the beginning of one component where the camera cannot have moved from the
@@ -177,7 +197,9 @@ bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) co
     if (first.component != map.keyframe(l.b).component || from != map.keyframe(l.a).component) return false;
     const double travelled_m = travelled_distances(map, l.a)[before.reference.value];
     if (!std::isfinite(travelled_m)) return false;
-    const Eigen::Vector3d p_world_a = T_world_a_world_b(map, l) * first.T_world_camera.translation;
+    const Eigen::Vector3d p_world_a =
+        T_world_a_world_b(l, map.keyframe(l.a).T_world_camera, map.keyframe(l.b).T_world_camera) *
+        first.T_world_camera.translation;
     return !can_reach(before, map, p_world_a, first.stamp_ns, kDriftPerMetre * travelled_m);
   };
   return std::any_of(beginnings_.begin(), beginnings_.end(), [&](const Beginning& beginning) {
@@ -191,84 +213,119 @@ bool LoopHypotheses::has_double(const Map& map, KeyframeId keyframe) {
   return found->second;
 }
 
-/// Whether a loop would join components although too few keyframes of its group show places without doubles.
-bool LoopHypotheses::joins_by_doubles(size_t index, const std::vector<size_t>& group,
-                                      const Situation& situation) {
-  const Map& map = situation.map;
-  const LoopClosure& loop = waiting_[index].loop;
-  if (!joins_components(map, loop)) return false;
+/// Whether too few keyframes of a group show places without doubles.
+bool LoopHypotheses::joins_by_doubles(const Group& group, const Map& map) {
   std::set<KeyframeId> distinct;
-  for (const size_t member : group) {
-    const LoopClosure& other = waiting_[member].loop;
-    if (!has_double(map, other.a) && !has_double(map, other.b)) distinct.insert(other.b);
+  for (const size_t member : group.waiting) {
+    const LoopClosure& loop = waiting_[member].verified.loop;
+    if (!has_double(map, loop.a) && !has_double(map, loop.b)) distinct.insert(loop.b);
+    if (static_cast<int>(distinct.size()) >= required_.keyframes) return false;
   }
-  return static_cast<int>(distinct.size()) < situation.required_keyframes;
+  return true;
 }
 
 /// Whether a loop joins a component in which the camera was falsely located, or two that a group of loops
-/// falsely joined before, after too few views.
-bool LoopHypotheses::joins_suspect_early(size_t index, const Situation& situation,
-                                         const CompareRooms& compare_rooms) const {
-  const Map& map = situation.map;
-  const LoopClosure& loop = waiting_[index].loop;
-  const uint32_t a = map.keyframe(loop.a).component, b = map.keyframe(loop.b).component;
+/// falsely joined before.
+bool LoopHypotheses::joins_suspects(const LoopClosure& loop, const Map& map) const {
   const auto component = [&](KeyframeId id) { return map.keyframe(id).component; };
-  const bool suspected =
-      std::any_of(suspected_.begin(), suspected_.end(),
-                  [&](KeyframeId place) { return component(place) == a || component(place) == b; }) ||
-      std::any_of(refuted_.begin(), refuted_.end(), [&](const LoopEnds& ends) {
-        const uint32_t c = component(ends.a), d = component(ends.b);
-        return (c == a && d == b) || (c == b && d == a);
-      });
-  return joins_components(map, loop) && suspected &&
-         compare_rooms().looks.views < situation.required_views_of_suspect;
+  const uint32_t a = component(loop.a), b = component(loop.b);
+  return std::any_of(suspected_.begin(), suspected_.end(),
+                     [&](KeyframeId place) { return component(place) == a || component(place) == b; }) ||
+         std::any_of(refuted_.begin(), refuted_.end(), [&](const LoopEnds& ends) {
+           const uint32_t c = component(ends.a), d = component(ends.b);
+           return (c == a && d == b) || (c == b && d == a);
+         });
 }
 
-/// Decides on the waiting loops from index `first` on.
-LoopDecisions LoopHypotheses::decide(size_t first, const Situation& situation) {
-  const Map& map = situation.map;
+/// Judges a loop; nullopt if views must be compared first.
+std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge(const LoopClosure& loop, const Group& group,
+                                                             const Map& map) {
+  const bool alone = fits_map(map, loop);
+  if (group.is_ambiguous()) return Verdict{LoopStage::kProvisional, LoopReason::kAmbiguous};
+  if (!alone && loop.support < required_.keyframes)
+    return Verdict{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
+  if (joins_components(map, loop)) return judge_join(loop, group, map);
+  if (refutes_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
+  return Verdict{LoopStage::kVerified, alone ? LoopReason::kFitsMap : LoopReason::kKeyframesAgree};
+}
+
+/// Judges a loop that joins components and that enough keyframes support.
+std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge_join(const LoopClosure& loop, const Group& group,
+                                                                  const Map& map) {
+  const RoomComparison* rooms = rooms_of(group);
+  if (joins_suspects(loop, map)) {
+    if (rooms == nullptr) return std::nullopt;
+    if (rooms->looks.views < required_.views_of_suspect)
+      return Verdict{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
+  }
+  if (joins_by_doubles(group, map)) return Verdict{LoopStage::kProvisional, LoopReason::kAmbiguous};
+  if (refutes_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
+  if (is_out_of_reach(loop, map)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
+  if (rooms == nullptr) return std::nullopt;
+  if (rooms->looks.refute_same_place()) return Verdict{LoopStage::kRejected, LoopReason::kLooksDifferent};
+  if (refutes_same_room(*rooms)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
+  return Verdict{LoopStage::kVerified, LoopReason::kKeyframesAgree};
+}
+
+/// Decides on the waiting loops that are not provisional yet.
+LoopDecisions LoopHypotheses::decide(const Map& map) {
+  forget_withdrawn(map);
+  asked_.clear();
+  for (Waiting& waiting : waiting_) {
+    if (waiting.state == State::kAsking) waiting.state = State::kUndecided;
+  }
   LoopDecisions decisions;
-  std::vector<bool> decided(waiting_.size(), false);
-  const auto reject = [&](size_t i, LoopReason reason) {
-    if (decided[i]) return;
-    decided[i] = true;
-    decisions.others.push_back(as(waiting_[i].loop, LoopStage::kRejected, reason));
-  };
-  for (size_t i = first; i < waiting_.size(); ++i) {
-    if (decided[i]) continue;
-    LoopClosure& loop = waiting_[i].loop;
-    const Group group = group_of(i, waiting_, map);
-    std::optional<RoomComparison> compared;  // at most once, since it takes long
-    const CompareRooms compare_rooms = [&]() -> const RoomComparison& {
-      if (!compared) compared = compare_components(map, loop, situation.sensor);
-      return *compared;
-    };
+  for (size_t i = 0; i < waiting_.size(); ++i) {
+    if (waiting_[i].state != State::kUndecided) continue;
+    const Group group = group_of(i, map);
+    LoopClosure& loop = waiting_[i].verified.loop;
     loop.support = static_cast<int>(group.keyframes.size());
-    const bool alone = fits_map(map, loop);
-    const bool too_few = !alone && (loop.support < situation.required_keyframes ||
-                                    joins_suspect_early(i, situation, compare_rooms));
-    if (group.is_ambiguous() || (!too_few && joins_by_doubles(i, group.waiting, situation))) {
-      decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kAmbiguous));
-    } else if (too_few) {
-      decisions.others.push_back(as(loop, LoopStage::kProvisional, LoopReason::kTooFewKeyframes));
-    } else if (const LoopReason reason = refute(i, group.scales, map, compare_rooms);
-               reason != LoopReason::kNone) {
-      for (const size_t member : group.waiting) reject(member, reason);
-      if (reason != LoopReason::kScale) refuted_.push_back(loop.ends());
+    const auto verdict = judge(loop, group, map);
+    if (!verdict) {
+      ask(loop, group);
+    } else if (verdict->stage == LoopStage::kVerified) {
+      accept(loop, group, verdict->reason, decisions);
+    } else if (verdict->stage == LoopStage::kRejected) {
+      reject(group.waiting, verdict->reason, decisions);
+      if (verdict->reason != LoopReason::kScale) refuted_.push_back(loop.ends());
     } else {
-      for (const size_t member : group.waiting) {
-        if (decided[member]) continue;
-        decided[member] = true;
-        waiting_[member].loop.support = loop.support;
-        waiting_[member].loop.reason = alone ? LoopReason::kFitsMap : LoopReason::kKeyframesAgree;
-        decisions.accepted.push_back(waiting_[member]);
-      }
-      for (const size_t rival : group.rivals) reject(rival, LoopReason::kDoesNotFit);
+      waiting_[i].state = State::kProvisional;
+      decisions.others.push_back(as(loop, verdict->stage, verdict->reason));
     }
   }
-  size_t index = 0;
-  std::erase_if(waiting_, [&](const auto&) { return decided[index++]; });
+  std::erase_if(waiting_, [](const Waiting& waiting) { return waiting.state == State::kDecided; });
   return decisions;
+}
+
+/// Has one loop of a group compared, for all.
+void LoopHypotheses::ask(const LoopClosure& loop, const Group& group) {
+  asked_.push_back(loop);
+  for (const size_t member : group.waiting) {
+    State& state = waiting_[member].state;
+    if (state == State::kUndecided) state = State::kAsking;
+  }
+}
+
+void LoopHypotheses::accept(const LoopClosure& loop, const Group& group, LoopReason reason,
+                            LoopDecisions& decisions) {
+  for (const size_t member : group.waiting) {
+    Waiting& waiting = waiting_[member];
+    if (waiting.state == State::kDecided) continue;
+    waiting.state = State::kDecided;
+    waiting.verified.loop.support = loop.support;
+    waiting.verified.loop.reason = reason;
+    decisions.accepted.push_back(waiting.verified);
+  }
+  reject(group.rivals, LoopReason::kDoesNotFit, decisions);
+}
+
+void LoopHypotheses::reject(const std::vector<size_t>& loops, LoopReason reason, LoopDecisions& decisions) {
+  for (const size_t i : loops) {
+    Waiting& waiting = waiting_[i];
+    if (waiting.state == State::kDecided) continue;
+    waiting.state = State::kDecided;
+    decisions.others.push_back(as(waiting.verified.loop, LoopStage::kRejected, reason));
+  }
 }
 
 }  // namespace kinloop

@@ -51,7 +51,20 @@ class LoopHypotheses {
   /// views have been compared if a group between them was refuted before. Loops between places that have
   /// doubles do not join components: along a corridor, all keyframes agree on the wrong one of the same
   /// doors.
-  LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified, const Sensor& sensor);
+  LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified);
+
+  /// Returns whether decisions wait until views have been compared. That takes long, so that it is left to a
+  /// job.
+  [[nodiscard]] bool await_comparison() const { return !asked_.empty(); }
+
+  /// Returns what must be compared.
+  [[nodiscard]] JoinProblem join_problem(const Map& map, const Sensor& sensor) const;
+
+  /// Decides with what the views say.
+  LoopDecisions decide(const Map& map, const ComparedJoins& compared);
+
+  /// Keeps what was compared in a map that has moved since, for the next comparison.
+  void keep(ComparedLooks looks) { looks_ = std::move(looks); }
 
   /// Says that the camera was thought to be in the component of this keyframe, and was not: a visit joins it
   /// only after many of its views have been compared.
@@ -68,35 +81,55 @@ class LoopHypotheses {
 
   /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others
   /// stay provisional, and wait for another run.
-  LoopDecisions finish(const Map& map, const Sensor& sensor);
+  LoopDecisions finish(const Map& map);
 
  private:
+  enum class State {
+    kUndecided,
+    kAsking,       ///< it or one that agrees with it waits for a comparison
+    kProvisional,  ///< waits for other keyframes
+    kDecided
+  };
+  struct Waiting {
+    LoopVerificationResult verified;
+    State state = State::kUndecided;
+  };
   struct Beginning {
     KeyframeId first;
     TrustedPose before;
   };
-  struct Situation {
-    const Map& map;
-    const Sensor& sensor;
-    int required_keyframes, required_views_of_suspect;
+  struct Requirements {
+    int keyframes, views_of_suspect;
   };
-  using CompareRooms = std::function<const RoomComparison&()>;
-  [[nodiscard]] LoopReason refute(size_t index, const std::vector<RelativeScale>& scales, const Map& map,
-                                  const CompareRooms& compare_rooms) const;
+  struct Group;
+  struct Verdict;
+  static const Requirements kDuringRun, kAtEnd;
+
+  void forget_withdrawn(const Map& map);
+  [[nodiscard]] Group group_of(size_t index, const Map& map) const;
+  [[nodiscard]] const RoomComparison* rooms_of(const Group& group) const;
   [[nodiscard]] bool is_out_of_reach(const LoopClosure& loop, const Map& map) const;
   [[nodiscard]] bool has_double(const Map& map, KeyframeId keyframe);
-  [[nodiscard]] bool joins_suspect_early(size_t index, const Situation& situation,
-                                         const CompareRooms& compare_rooms) const;
-  [[nodiscard]] bool joins_by_doubles(size_t index, const std::vector<size_t>& group,
-                                      const Situation& situation);
-  LoopDecisions decide(size_t first, const Situation& situation);
+  [[nodiscard]] bool joins_by_doubles(const Group& group, const Map& map);
+  [[nodiscard]] bool joins_suspects(const LoopClosure& loop, const Map& map) const;
+  [[nodiscard]] std::optional<Verdict> judge(const LoopClosure& loop, const Group& group, const Map& map);
+  [[nodiscard]] std::optional<Verdict> judge_join(const LoopClosure& loop, const Group& group,
+                                                  const Map& map);
+  void ask(const LoopClosure& loop, const Group& group);
+  void accept(const LoopClosure& loop, const Group& group, LoopReason reason, LoopDecisions& decisions);
+  void reject(const std::vector<size_t>& loops, LoopReason reason, LoopDecisions& decisions);
+  LoopDecisions decide(const Map& map);
 
   HasDouble has_double_;
   std::vector<KeyframeId> suspected_;
   std::vector<Beginning> beginnings_;
   std::vector<LoopEnds> refuted_;       // loops that would have joined components
   std::map<KeyframeId, bool> doubles_;  // of the keyframes that were asked for: it takes time
-  std::vector<LoopVerificationResult> waiting_;
+  std::vector<Waiting> waiting_;
+  Requirements required_ = kDuringRun;
+  std::vector<LoopClosure> asked_;            // to be compared, one of each group
+  std::map<LoopEnds, RoomComparison> rooms_;  // of those asked before
+  ComparedLooks looks_;
 };
 
 }  // namespace kinloop

@@ -47,18 +47,18 @@ std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& lat
   if (later.visit != visits.second || !knows_what_rests(later)) return std::nullopt;
   const double away_m = distance_from(loops, later, map);
   if (away_m > kMaxDistance_m) return std::nullopt;
-  const Keyframe* earlier = nearest_view(map, later.T_world_camera, [&](const Keyframe& view) {
+  const Keyframe* earlier = nearest_view(map.keyframes(), later.T_world_camera, [&](const Keyframe& view) {
     return view.visit == visits.first && view.component == later.component && knows_what_rests(view);
   });
   if (earlier == nullptr) return std::nullopt;
-  return JoinedViews{visits, *earlier, later, away_m};
+  const SE3 T_earlier_later = earlier->T_world_camera.inverse() * later.T_world_camera;
+  return JoinedViews{visits, {view_of(*earlier), view_of(later), T_earlier_later, away_m}};
 }
 
 }  // namespace
 
-JoinedLook compare(const JoinedViews& views, const Sensor& sensor) {
-  const SE3 T_earlier_later = views.earlier.T_world_camera.inverse() * views.later.T_world_camera;
-  return {views.visits, compare_aligned(views.earlier, views.later, T_earlier_later, views.away_m, sensor)};
+JoinedLook compare(const JoinedViews& joined, const Sensor& sensor) {
+  return {joined.visits, compare_aligned(joined.views, sensor)};
 }
 
 bool JoinCheck::has_views(const Map& map) const {

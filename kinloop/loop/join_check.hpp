@@ -17,8 +17,7 @@ using VisitPair = std::pair<uint32_t, uint32_t>;
 /// Keyframes of two joined visits that show the same if the join is true.
 struct JoinedViews {
   VisitPair visits;
-  Keyframe earlier, later;
-  double away_m = 0;  ///< from the nearest loop between the visits
+  OverlappingViews views;  ///< of the earlier visit and of the later one
 };
 
 /// What they say of each other, see `compare_aligned`.
@@ -27,7 +26,7 @@ struct JoinedLook {
   std::optional<ViewComparison> views;
 };
 
-JoinedLook compare(const JoinedViews& views, const Sensor& sensor);
+JoinedLook compare(const JoinedViews& joined, const Sensor& sensor);
 
 /// Collects what the keyframes of visits that loop closures have joined say of each other.
 class JoinCheck {

@@ -162,7 +162,7 @@ bool PlaceRecognition::find_double(KeyframeId id, const Map& map) const {
   const Keyframe& keyframe = map.keyframe(id);
   const auto group = covisible_group(map, id);  // they show the same place
   std::vector<KeyframeId> verified;
-  for (const auto& [other, score] : index_.query(bow_of(*keyframe.features), kLookedAt)) {
+  for (const auto& [other, score] : index_.query(index_.bow_of(id), kLookedAt)) {
     const Keyframe& view = map.keyframe(other);
     if (view.withdrawn || view.component != keyframe.component) continue;
     if (view_difference(view.T_world_camera, keyframe.T_world_camera)) continue;

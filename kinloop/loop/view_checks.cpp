@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -81,12 +83,20 @@ constexpr size_t kOcclusionNeighbors = 3;
 // Relative depth difference of neighbours on one surface, as in guided matching.
 constexpr double kMaxDepthError = 0.15;
 constexpr int kRegionSize = 100;  // keypoints
-constexpr double kRegionStep_px = 40;
+constexpr int kRegionStep_px = 40;
 
-/// A keypoint expected in the view.
-struct ExpectedKeypoint {
-  Eigen::Vector2d pixel;
-  bool found = false;
+/// Keypoints expected in the view. By coordinate, since loops over all of them take most of the time.
+struct ExpectedKeypoints {
+  std::vector<float> x, y;     // px
+  std::vector<int32_t> found;  // 1 or 0
+
+  [[nodiscard]] size_t size() const { return x.size(); }
+
+  void add(const Eigen::Vector2d& pixel, bool is_found) {
+    x.push_back(static_cast<float>(pixel.x()));
+    y.push_back(static_cast<float>(pixel.y()));
+    found.push_back(is_found ? 1 : 0);
+  }
 };
 
 /// Keypoints of one view to be found in another.
@@ -129,11 +139,11 @@ class ViewMatcher {
 };
 
 /// Returns the keypoints of `points` expected in `view`, and whether each was found.
-std::vector<ExpectedKeypoint> find_expected_keypoints(const View& view, const View& points,
-                                                      const SE3& T_view_points, const PinholeCamera& camera) {
+ExpectedKeypoints find_expected_keypoints(const View& view, const View& points, const SE3& T_view_points,
+                                          const PinholeCamera& camera) {
   const Features& features = points.features;
   ViewMatcher matcher(view.features, camera);
-  std::vector<ExpectedKeypoint> expected;
+  ExpectedKeypoints expected;
   for (uint32_t i = 0; i < features.size(); ++i) {
     const auto seen = reproject(features, i, T_view_points, camera, kBorder_px);
     if (!seen) continue;
@@ -144,19 +154,53 @@ std::vector<ExpectedKeypoint> find_expected_keypoints(const View& view, const Vi
     const auto is_missing = [&] {
       return is_at_rest(seen->p_source, points) && is_at_rest(seen->p_view, view) && !matcher.occludes(*seen);
     };
-    if (found || is_missing()) expected.push_back({seen->pixel, found});
+    if (found || is_missing()) expected.add(seen->pixel, found);
   }
   return expected;
 }
 
-/// Returns how many of the `kRegionSize` keypoints nearest to `center` were found.
-int count_found_near(const Eigen::Vector2d& center, std::vector<ExpectedKeypoint>& expected) {
-  std::nth_element(expected.begin(), expected.begin() + kRegionSize, expected.end(),
-                   [&](const ExpectedKeypoint& a, const ExpectedKeypoint& b) {
-                     return (a.pixel - center).squaredNorm() < (b.pixel - center).squaredNorm();
-                   });
-  return static_cast<int>(std::count_if(expected.begin(), expected.begin() + kRegionSize,
-                                        [](const ExpectedKeypoint& e) { return e.found; }));
+/// Returns keys that ascend with the distance from a pixel; the lowest bit says whether the keypoint was
+/// found.
+std::vector<int32_t> distance_keys(float x, float y, const ExpectedKeypoints& expected) {
+  constexpr float kPerSquaredPixel = 8;
+  std::vector<int32_t> keys(expected.size());
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const float dx = expected.x[i] - x, dy = expected.y[i] - y;
+    keys[i] = 2 * static_cast<int32_t>(kPerSquaredPixel * (dx * dx + dy * dy)) + expected.found[i];
+  }
+  return keys;
+}
+
+/// Returns a limit that `kRegionSize` keys do not exceed, or more only if they are equal to it. By bisection:
+/// several passes without branches take less time than partial sorting.
+int32_t limit_of_region(const std::vector<int32_t>& keys) {
+  int32_t low = 0, high = 0;
+  for (const int32_t key : keys) high |= key;
+  while (low < high) {
+    const int32_t middle = std::midpoint(low, high);
+    int count = 0;
+    for (const int32_t key : keys) count += static_cast<int>(key <= middle);
+    if (count == kRegionSize) return middle;
+    if (count > kRegionSize) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  return low;
+}
+
+/// Returns how many of the `kRegionSize` keypoints nearest to a pixel were found.
+int count_found_near(float x, float y, const ExpectedKeypoints& expected) {
+  const std::vector<int32_t> keys = distance_keys(x, y, expected);
+  const int32_t limit = limit_of_region(keys);
+  int count = 0, found = 0;
+  for (const int32_t key : keys) {
+    const int32_t is_nearer = key < limit ? 1 : 0;
+    count += is_nearer;
+    found += is_nearer & key;
+  }
+  return found + (kRegionSize - count) * (limit & 1);
 }
 
 /// Returns the probability that at most `most` of `kRegionSize` keypoints are found, each with probability p.
@@ -171,20 +215,18 @@ double binomial_tail(int most, double p) {
 
 double one_way_p_value(const View& view, const View& points, const SE3& T_view_points,
                        const PinholeCamera& camera) {
-  auto expected = find_expected_keypoints(view, points, T_view_points, camera);
+  const auto expected = find_expected_keypoints(view, points, T_view_points, camera);
   if (expected.size() < 2 * kRegionSize) return 1;
   int fewest = kRegionSize;
-  for (double y = kRegionStep_px / 2; y < camera.height; y += kRegionStep_px) {
-    for (double x = kRegionStep_px / 2; x < camera.width; x += kRegionStep_px) {
-      fewest = std::min(fewest, count_found_near({x, y}, expected));
+  for (int y = kRegionStep_px / 2; y < camera.height; y += kRegionStep_px) {
+    for (int x = kRegionStep_px / 2; x < camera.width; x += kRegionStep_px) {
+      fewest = std::min(fewest, count_found_near(static_cast<float>(x), static_cast<float>(y), expected));
     }
   }
-  const auto found =
-      std::count_if(expected.begin(), expected.end(), [](const ExpectedKeypoint& e) { return e.found; });
+  const int found = std::accumulate(expected.found.begin(), expected.found.end(), 0);
   // Blur, illumination and slant leave at least this much of a region.
   constexpr double kMinRelativeRate = 1.0 / 3;
-  return binomial_tail(fewest,
-                       kMinRelativeRate * static_cast<double>(found) / static_cast<double>(expected.size()));
+  return binomial_tail(fewest, kMinRelativeRate * found / static_cast<double>(expected.size()));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "kinloop/place/match_by_nodes.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <cstdint>
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/features/kernels/hamming_rows.hpp"
@@ -11,9 +11,12 @@ namespace {
 
 /// Indices of keypoints in ascending order of their nodes.
 std::vector<uint32_t> sorted_by_node(std::span<const NodeId> nodes) {
-  std::vector<uint32_t> order(nodes.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t i, uint32_t j) { return nodes[i] < nodes[j]; });
+  std::vector<uint64_t> keys(nodes.size());
+  for (size_t i = 0; i < keys.size(); ++i) keys[i] = uint64_t{nodes[i].value} << 32U | i;
+  std::sort(keys.begin(), keys.end());
+  std::vector<uint32_t> order;
+  order.reserve(keys.size());
+  for (const uint64_t key : keys) order.push_back(static_cast<uint32_t>(key));
   return order;
 }
 

@@ -80,7 +80,7 @@ TrackedFrame Slam::track(const Frame& frame) {
           "track: frames must be in order of time");
   begin_frame(timings_, frame.time);
   const FrameTimer timer(timings_);
-  apply_results(back_end_.apply_due(frame.id));
+  apply_due_results(frame.id);
 
   const Frame usable = without_fixed_region(with_steady_depth(frame));
   const TrackingContext context{map_, sensor(), relocalizer_};
@@ -217,6 +217,11 @@ TrackedFrame Slam::publish(TrackedFrame tracked) {
     for (Listener* listener : listeners_) listener->on_map(map_);
   }
   return tracked;
+}
+
+void Slam::apply_due_results(FrameId now) {
+  const ScopedTimer timer(timings_, "back end results");
+  apply_results(back_end_.apply_due(now));
 }
 
 void Slam::apply_results(const AppliedResults& results) {

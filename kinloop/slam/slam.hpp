@@ -165,6 +165,7 @@ class Slam {
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
+  void apply_due_results(FrameId now);
   void apply_results(const AppliedResults& results);
   void follow_own_part(const std::vector<SE3>& T_world_keyframe_before);
   void apply_sensor_estimate(const AppliedSensor& applied);

@@ -220,7 +220,12 @@ TEST_F(RunCommand, TimingsCoverTheCpuTimeOfTheProcess) {
   EXPECT_THAT(done.out, AllOf(HasSubstr("module"), HasSubstr("decoding"), HasSubstr("CPU s of the process")));
   const auto summary = nlohmann::json::parse(read_file(at("out/run.json")));
   double sum_s = 0;
-  for (const auto& module : summary["timings"]) sum_s += module["cpu_s"].get<double>();
+  for (const auto& module : summary["timings"]) {
+    const double cpu_s = module["cpu_s"], p95_ms = module["cpu_p95_ms"];
+    EXPECT_LE(p95_ms, 1000.01 * cpu_s) << "of one of its calls";
+    sum_s += cpu_s;
+  }
+  EXPECT_GT(summary["timings"]["tracking"]["cpu_p95_ms"].get<double>(), 0);
   EXPECT_GT(sum_s, 0.9 * summary["cpu_s"].get<double>());
   EXPECT_LE(sum_s, 1.02 * summary["cpu_s"].get<double>());  // every second counts once
   EXPECT_LE(summary["cpu_s"].get<double>(), process_s);

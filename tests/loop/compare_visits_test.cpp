@@ -26,8 +26,17 @@ class TwoVisits : public testing::Test {
   }
 
   /// Compares them if the first keyframes of both are at one place.
-  [[nodiscard]] RoomComparison compare() const {
-    return compare_components(map_, {KeyframeId{0}, KeyframeId{6}, SE3{}}, sensor_);
+  [[nodiscard]] RoomComparison compare(const SE3& T_a_b = {}, int required_views = 0) const {
+    return compare_rooms(problem(T_a_b, required_views)).rooms.at({KeyframeId{0}, KeyframeId{6}});
+  }
+
+  [[nodiscard]] JoinProblem problem(const SE3& T_a_b = {}, int required_views = 0) const {
+    JoinProblem problem{.joins = {{{KeyframeId{0}, KeyframeId{6}, T_a_b}, required_views}},
+                        .views = {},
+                        .looks = {},
+                        .sensor = sensor_};
+    for (const Keyframe& keyframe : map_.keyframes()) problem.views.push_back(view_of(keyframe));
+    return problem;
   }
 
   Map map_;
@@ -72,7 +81,7 @@ TEST_F(TwoVisits, ViewsThatDoNotOverlapSayNothing) {
   away.T_world_camera.emplace_back(KeyframeId{6}, test::camera_at(1.5, {0, 0, 20}));
   ASSERT_TRUE(map_.apply(away));
   const SE3 T_far = test::camera_at(3, {30, 0, 0});
-  const RoomComparison none = compare_components(map_, {KeyframeId{0}, KeyframeId{6}, T_far}, sensor_);
+  const RoomComparison none = compare(T_far);
   EXPECT_EQ(none.depths.consistent + none.depths.free_space_violations, 0);
   EXPECT_EQ(none.looks.views, 0);
   EXPECT_FALSE(refutes_same_room(none));
@@ -88,6 +97,31 @@ TEST_F(TwoVisits, DriftExplainsMoreFartherFromTheLoop) {
   ASSERT_TRUE(map_.apply(stretched));
   const DepthConsistency far = compare().depths;
   EXPECT_LT(far.free_space_violations, near.free_space_violations);
+}
+
+TEST_F(TwoVisits, AreNotComparedIfTooFewViewsOverlap) {
+  visit(2), visit(2);
+  EXPECT_EQ(compare({}, 6).looks.views, 6);
+  EXPECT_EQ(compare({}, 7).looks.views, 0);
+}
+
+TEST_F(TwoVisits, ArePairsOfViewsThatAreComparedOnce) {
+  visit(2), visit(2);
+  const LoopEnds ends{KeyframeId{0}, KeyframeId{6}};
+  JoinProblem repainted = problem();
+  repainted.looks = compare_rooms(repainted).looks;
+  for (KeyframeView& view : repainted.views) {
+    if (view.component == 0) continue;
+    Features features = *view.features;
+    test::repaint(features);
+    view.features = std::make_shared<const Features>(std::move(features));
+  }
+  const auto different_views = [&] { return compare_rooms(repainted).rooms.at(ends).looks.different_views; };
+  EXPECT_EQ(different_views(), 0) << "as it was known";
+  repainted.joins[0].loop.T_a_b.translation.x() = 0.02;
+  EXPECT_EQ(different_views(), 0) << "alignment leads to the same pose";
+  repainted.joins[0].loop.T_a_b.translation.x() = 0.03;
+  EXPECT_EQ(different_views(), 1) << "drift does not explain that at the loop itself";
 }
 
 }  // namespace

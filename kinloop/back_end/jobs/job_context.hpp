@@ -16,6 +16,7 @@
 
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/verify_loop.hpp"
 #include "kinloop/map/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
@@ -36,9 +37,13 @@ struct AppliedSensor {
   size_t compensated_keyframes = 0;  ///< so many have keypoints compensated by its times, in order of ids
 };
 
+/// By keyframe.
+using VerifiedLoops = std::vector<std::vector<LoopVerificationResult>>;
+
 /// Effects of an applied solution.
 struct AppliedSolution {
   bool map_changed = true;
+  VerifiedLoops verified = {};          ///< loop closures to be decided on
   bool loops_added = false;             ///< loop closures were added, for which the map must be corrected
   std::vector<LoopMerges> merges = {};  ///< landmarks that those loop closures identify
   std::vector<LoopEnds> refuted_joins = {};  ///< loop closures taken back because the visits look different
