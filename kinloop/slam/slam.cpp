@@ -130,7 +130,7 @@ Frame Slam::with_steady_depth(const Frame& frame) {
   const ScopedTimer timer(timings_, "depth continuity");
   const TrackedFrame* previous = tracker_.previous();
   // A repeat is one of the previous frame.
-  const bool follows = previous != nullptr && !log_.empty() &&
+  const bool follows = previous != nullptr && tracker_.knows_velocity() && !log_.empty() &&
                        (log_.back().is_repeat() || previous->stamp_ns == log_.back().stamp_ns);
   const bool had_depth = depth_.factor() > 0;
   depth_.observe(frame, follows ? std::optional(previous->velocity) : std::nullopt);

@@ -55,6 +55,7 @@ class MotionModel {
 
   /// Velocity of the last frame; zero if unknown.
   [[nodiscard]] Velocity velocity() const { return velocity_.value_or(Velocity{}); }
+  [[nodiscard]] bool knows_velocity() const { return velocity_.has_value(); }
 
  private:
   /// Random walk of the velocity: growth of its variance per second, per axis.

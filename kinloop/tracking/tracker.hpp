@@ -76,6 +76,9 @@ class Tracker {
   /// Returns the previous frame with a pose; null before the first.
   [[nodiscard]] const TrackedFrame* previous() const { return previous_ ? &*previous_ : nullptr; }
 
+  /// Whether the velocity of the previous frame is known, unlike that of one in which a place was recognized.
+  [[nodiscard]] bool knows_velocity() const { return motion_.knows_velocity(); }
+
   /// Returns whether the next frame will probably be tracked by keypoints, as the previous one was.
   [[nodiscard]] bool expects_keypoints() const;
 

@@ -6,6 +6,7 @@
 #include "drivers/datasets/tum_source.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/slam/slam.hpp"
+#include "simulator/camera_path.hpp"
 #include "tests/slam/recording.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -64,6 +65,36 @@ TEST(Discontinuity, AFrozenImageIsInDoubtAndTrackingGoesOnAfterIt) {
         recording.truth.front().T_world_camera.inverse() * recording.truth[i].T_world_camera;
     EXPECT_LT((estimate.translation - T_world_truth.translation).norm(), 0.02) << i;
   }
+}
+
+/// A second of the built-in path, and after ten more seconds a walk of 5 cm a frame ahead from its middle.
+Trajectory path_with_approach() {
+  constexpr int kFrames = 10, kAgain = kFrames / 2;
+  constexpr double kStep_m = 0.05;
+  const Trajectory built_in = sim::handheld_path(1);
+  const auto pose = [&](int i) {
+    return *pose_at(built_in, built_in.front().stamp_ns + i * kInterval_ns, kNsPerSecond);
+  };
+  Trajectory path;
+  for (int i = 0; i < kFrames; ++i) path.push_back({i * kInterval_ns, pose(i)});
+  for (int i = 0; i < kFrames; ++i) {
+    const SE3 T_camera_ahead(Eigen::Quaterniond::Identity(), {0, 0, kStep_m * i});
+    path.push_back({10 * kNsPerSecond + i * kInterval_ns, pose(kAgain) * T_camera_ahead});
+  }
+  return path;
+}
+
+TEST(Discontinuity, AMotionAheadAfterAGapIsNoChangeOfTheScaleOfDepth) {
+  SimulationOptions options;
+  options.width = 320;
+  options.height = 240;
+  options.remove_noise();
+  SimulatedSource source("approach", 1, options, 2, path_with_approach());
+  Slam slam(source.camera());
+  while (auto frame = source.next()) slam.process(*frame);
+  ASSERT_EQ(slam.log().size(), 20U);
+  EXPECT_GE(count_joined(slam, 10), 8) << "the camera is located again";
+  for (const TrackedFrame& entry : slam.log()) EXPECT_EQ(entry.evidence.depth_factor, 1) << entry.stamp_ns;
 }
 
 class FaultyInput : public testing::TestWithParam<const char*> {};

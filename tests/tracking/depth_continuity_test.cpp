@@ -72,6 +72,13 @@ TEST_F(DepthOfAStream, AMotionTowardsTheWallIsNoChangeOfScale) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(observe(depth_from(2 - 0.05 * i), forward), 1) << i;
 }
 
+TEST_F(DepthOfAStream, TheVelocityOverAGapIsNotThatOfTheNextFrame) {
+  observe(depth_from(2));
+  count_ += 30;
+  observe(depth_from(2));
+  EXPECT_EQ(observe(depth_from(1.94)), 1);
+}
+
 TEST_F(DepthOfAStream, WithoutAVelocityTheScaleIsNotChecked) {
   observe(depth_from(2));
   EXPECT_EQ(observe(depth_from(2, 0.9), std::nullopt), 1);

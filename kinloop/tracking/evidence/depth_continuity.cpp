@@ -12,6 +12,9 @@
 namespace kinloop {
 namespace {
 
+/// Over a longer time a camera changes its velocity.
+constexpr double kMaxInterval_s = 0.15;
+
 /// Mean change of brightness between two small images.
 double mean_change(const cv::Mat& before, const cv::Mat& now) {
   return cv::norm(before, now, cv::NORM_L1) / static_cast<double>(now.total());
@@ -28,6 +31,7 @@ void DepthContinuity::observe(const Frame& frame, const std::optional<Velocity>&
     return;
   } else {
     compare(frame, velocity, frame.stamp_ns - latest_ns);
+    interval_ns_ = frame.stamp_ns - stamp_ns_;
   }
   surfaces_ = frame.surfaces;
   image_ = frame.octaves.back();
@@ -45,7 +49,9 @@ void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>&
                               int64_t interval_ns) {
   const bool is_new =
       has_depth(*frame.surfaces) && surfaces_->inverse_depths_per_m != frame.surfaces->inverse_depths_per_m;
-  if (is_new && velocity && age_ns_ == 0) {
+  // Over a gap, the velocity is the mean of an unknown motion.
+  const bool follows_velocity = velocity && to_seconds(interval_ns_) <= kMaxInterval_s;
+  if (is_new && follows_velocity && age_ns_ == 0) {
     constexpr double kSameScale = 0.015;
     factor_ /= scale_step(frame, *velocity).value_or(1);
     if (std::abs(factor_ - 1) < kSameScale) factor_ = 1;
@@ -62,7 +68,7 @@ void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>&
 /// camera may explain the difference. In four recordings and rendered rooms at 5 to 30 Hz, where more than
 /// nine tenths of the points agree, the ratio is at most 0.7 %.
 std::optional<double> DepthContinuity::scale_step(const Frame& frame, const Velocity& velocity) const {
-  constexpr double kMaxInterval_s = 0.15, kMaxChange = 25;
+  constexpr double kMaxChange = 25;
   constexpr float kMinLogRatio = 0.02F, kTolerance = 0.012F, kRelativeTolerance = 0.3F;
   constexpr double kMinShare = 0.9;
   const double interval_s = to_seconds(frame.stamp_ns - stamp_ns_);
