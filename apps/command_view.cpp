@@ -21,6 +21,7 @@
 #include "viewer/comparison.hpp"
 #include "viewer/keyframe_images.hpp"
 #include "viewer/saved_map.hpp"
+#include "viewer/scene/saved_cloud.hpp"
 #include "viewer/server/service.hpp"
 
 namespace kinloop {
@@ -43,23 +44,19 @@ Shown shown_without(const std::filesystem::path& map, const std::string& loop) {
   return shown_run(output, fmt::format("The map without the loop is {}.", output.filename().string()));
 }
 
-/// A run, and the parts of it that are sent.
-struct SentRun {
-  SavedRun run;
-  SavedRunParts parts{run};
-};
-
 Shown shown_run(const std::filesystem::path& path, std::string greeting) {
-  const std::shared_ptr<const SentRun> sent(new SentRun{read_shown(path, make_progress_bar(false))});
-  Shown shown{.show = [sent](Scene& scene) { sent->parts.show_first(scene); },
+  const auto run = std::make_shared<const SavedRun>(read_shown(path, make_progress_bar(false)));
+  const auto pieces = std::make_shared<const std::vector<CloudPiece>>(split_into_pieces(run->cloud));
+  Shown shown{.show = [run, pieces](Scene& scene) { show_first(scene, *run, *pieces); },
               .rest = {},
-              .tell = [sent](Scene& scene, const Notice& notice) { show_notice(scene, sent->run, notice); },
+              .tell = [run](Scene& scene, const Notice& notice) { show_notice(scene, *run, notice); },
               .greeting = std::move(greeting)};
-  for (size_t i = 0; i < sent->parts.batches(); ++i)
-    shown.rest.emplace_back([sent, i] { return sent->parts.batch(i); });
-  shown.rest.emplace_back([sent, path] { return encode(keyframe_images_of(path, sent->run.keyframes)); });
-  if (!sent->run.map_file.empty())
-    shown.withdraw = [map = sent->run.map_file](const std::string& loop) { return shown_without(map, loop); };
+  for (size_t i = 0; i < batch_count(*pieces); ++i)
+    shown.rest.emplace_back([run, pieces, i] { return encode_batch(*run, *pieces, i); });
+  shown.rest.emplace_back(
+      [run, path] { return encode_keyframe_images(keyframe_images_of(path, run->keyframes)); });
+  if (!run->map_file.empty())
+    shown.withdraw = [map = run->map_file](const std::string& loop) { return shown_without(map, loop); };
   return shown;
 }
 
@@ -74,7 +71,7 @@ Shown shown_comparison(const MergeRequest& maps) {
       image.keyframe += static_cast<uint32_t>(before.keyframes.size());
       images.push_back(std::move(image));
     }
-    return encode(std::move(images));
+    return encode_keyframe_images(std::move(images));
   };
   return {.show = [compared](Scene& scene) { show_comparison(scene, *compared); }, .rest = {read_images}};
 }

@@ -45,8 +45,8 @@ function slowServer(port, mbit) {
     };
     try {
       for await (const data of kinloop) await forward(data);
-    } catch {
-      // The page has been closed.
+    } catch (error) {
+      if (!browser.destroyed) throw error; // else the page has been closed
     }
     browser.end();
   }).listen(0);

@@ -70,7 +70,7 @@ std::vector<KeyframeImage> keyframe_images_of(const std::filesystem::path& shown
   }
 }
 
-std::vector<EncodedPart> encode(std::vector<KeyframeImage> images) {
+std::vector<EncodedPart> encode_keyframe_images(std::vector<KeyframeImage> images) {
   std::vector<EncodedPart> parts;
   for (KeyframeImage& image : images)
     parts.push_back({PartKind::kKeyframeImage, image.keyframe, std::move(image.jpeg)});

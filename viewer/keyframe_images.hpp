@@ -35,6 +35,6 @@ std::vector<KeyframeImage> keyframe_images_of(const std::filesystem::path& shown
                                               const KeyframeImageOptions& options = {});
 
 /// Returns them as they are sent.
-std::vector<EncodedPart> encode(std::vector<KeyframeImage> images);
+std::vector<EncodedPart> encode_keyframe_images(std::vector<KeyframeImage> images);
 
 }  // namespace kinloop

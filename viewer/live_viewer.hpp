@@ -46,8 +46,10 @@ class LiveViewer {
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const { return service_.browsers(); }
 
-  /// Waits until every browser has been sent what is known now, at most for so long.
-  void wait_until_sent(std::chrono::milliseconds most) const { service_.wait_until_sent(most); }
+  /// Waits until every browser has been sent what is known now; returns whether that is so within `timeout`.
+  [[nodiscard]] bool wait_until_sent(std::chrono::milliseconds timeout) const {
+    return service_.wait_until_sent(timeout);
+  }
 
  private:
   void update(Scene& scene, size_t browsers);

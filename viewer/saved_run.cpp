@@ -187,7 +187,7 @@ SavedRun read_folder(const fs::path& path) {
 constexpr size_t kFirstPieces = 1;   // of the cloud, which the first picture shows
 constexpr size_t kBatchPieces = 16;  // a million points: they take a tenth of a second to encode
 
-EncodedPart encode_piece(const std::vector<CloudPiece>& pieces, size_t index) {
+EncodedPart encode_piece(std::span<const CloudPiece> pieces, size_t index) {
   return {PartKind::kCloud, static_cast<uint32_t>(index), encode_cloud(pieces[index])};
 }
 
@@ -294,45 +294,43 @@ SavedRun read_saved_run(const fs::path& path) {
   return run;
 }
 
-SavedRunParts::SavedRunParts(const SavedRun& run) : run_(run), pieces_(split_into_pieces(run.cloud)) {}
-
-void SavedRunParts::show_first(Scene& scene) const {
+void show_first(Scene& scene, const SavedRun& run, std::span<const CloudPiece> pieces) {
   scene.put(PartKind::kHello, 0,
             encode_json({{"run", scene.run()},
-                         {"input", run_.name},
+                         {"input", run.name},
                          {"live", false},
-                         {"colors", colorings_of(run_)},
-                         {"upKnown", run_.up_known},
-                         {"frustum", {run_.half_size_at_1m.x(), run_.half_size_at_1m.y()}}}));
-  show_paths(scene, run_);
-  const auto ate = show_truth(scene, run_);
-  scene.put(PartKind::kStatus, 0, encode_json(status_of(run_, ate)));
-  for (size_t i = 0; i < std::min(kFirstPieces, pieces_.size()); ++i)
-    put_all(scene, {encode_piece(pieces_, i)});
-  show_coarsely(scene, run_.mesh);
-  if (const auto timeline = timeline_of(run_, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
+                         {"colors", colorings_of(run)},
+                         {"upKnown", run.up_known},
+                         {"frustum", {run.half_size_at_1m.x(), run.half_size_at_1m.y()}}}));
+  show_paths(scene, run);
+  const auto ate = show_truth(scene, run);
+  scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
+  for (size_t i = 0; i < std::min(kFirstPieces, pieces.size()); ++i)
+    put_all(scene, {encode_piece(pieces, i)});
+  show_coarsely(scene, run.mesh);
+  if (const auto timeline = timeline_of(run, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
-  if (!run_.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run_)));
+  if (!run.loops.empty()) scene.put(PartKind::kLoopTable, 0, encode_json(loop_table(run)));
 }
 
-size_t SavedRunParts::batches() const {
-  const size_t pieces = pieces_.size() - std::min(kFirstPieces, pieces_.size());
-  return (pieces + kBatchPieces - 1) / kBatchPieces + 1;  // the last: the surface
+size_t batch_count(std::span<const CloudPiece> pieces) {
+  const size_t rest = pieces.size() - std::min(kFirstPieces, pieces.size());
+  return (rest + kBatchPieces - 1) / kBatchPieces + 1;  // the last: the surface
 }
 
-std::vector<EncodedPart> SavedRunParts::batch(size_t index) const {
-  if (index + 1 == batches()) return encode_surface(run_);
+std::vector<EncodedPart> encode_batch(const SavedRun& run, std::span<const CloudPiece> pieces, size_t index) {
+  if (index + 1 == batch_count(pieces)) return encode_surface(run);
   const size_t begin = kFirstPieces + index * kBatchPieces;
   std::vector<EncodedPart> parts;
-  for (size_t i = begin; i < std::min(pieces_.size(), begin + kBatchPieces); ++i)
-    parts.push_back(encode_piece(pieces_, i));
+  for (size_t i = begin; i < std::min(pieces.size(), begin + kBatchPieces); ++i)
+    parts.push_back(encode_piece(pieces, i));
   return parts;
 }
 
 void show_saved_run(Scene& scene, const SavedRun& run) {
-  const SavedRunParts parts(run);
-  parts.show_first(scene);
-  for (size_t i = 0; i < parts.batches(); ++i) put_all(scene, parts.batch(i));
+  const std::vector<CloudPiece> pieces = split_into_pieces(run.cloud);
+  show_first(scene, run, pieces);
+  for (size_t i = 0; i < batch_count(pieces); ++i) put_all(scene, encode_batch(run, pieces, i));
 }
 
 void show_notice(Scene& scene, const SavedRun& run, const Notice& notice) {

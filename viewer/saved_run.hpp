@@ -14,6 +14,7 @@
 #include "viewer/report/frame_table.hpp"
 #include "viewer/saved_loops.hpp"
 #include "viewer/scene/scene.hpp"
+#include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {
 
@@ -56,25 +57,14 @@ struct Notice {
   bool busy = false;  ///< a command of the page is being carried out
 };
 
-/// What a page is sent of a run: first what a picture needs, then the rest, which may take long to encode.
-class SavedRunParts {
- public:
-  /// The run must outlive this object.
-  explicit SavedRunParts(const SavedRun& run);
+/// Fills the scene with what the first picture shows, of the cloud its first pieces, see split_into_pieces.
+void show_first(Scene& scene, const SavedRun& run, std::span<const CloudPiece> pieces);
 
-  /// Fills the scene with the paths and what the first picture shows.
-  void show_first(Scene& scene) const;
+/// Returns the number of batches of the rest, which take long to encode.
+size_t batch_count(std::span<const CloudPiece> pieces);
 
-  /// Number of batches of the rest.
-  [[nodiscard]] size_t batches() const;
-
-  /// Encodes a batch of the rest. On any thread.
-  [[nodiscard]] std::vector<EncodedPart> batch(size_t index) const;
-
- private:
-  const SavedRun& run_;
-  std::vector<CloudPiece> pieces_;
-};
+/// Encodes a batch of the rest. On any thread.
+std::vector<EncodedPart> encode_batch(const SavedRun& run, std::span<const CloudPiece> pieces, size_t index);
 
 /// Fills the scene with all of it.
 void show_saved_run(Scene& scene, const SavedRun& run);

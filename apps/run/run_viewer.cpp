@@ -1,7 +1,6 @@
 #include "apps/run/run_viewer.hpp"
 
 #include <chrono>
-#include <thread>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -92,7 +91,7 @@ void serve_until_interrupted(LiveViewer& viewer) {
   viewer.set_stage("finished");
   const bool somebody_there = isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0;
   if (!somebody_there || interrupted()) {
-    viewer.wait_until_sent(kShutdownGrace);
+    if (!viewer.wait_until_sent(kShutdownGrace)) log::warn("a browser has not received the end of the run");
     return;
   }
   log::info("run finished; viewer stays at {} until Ctrl-C", viewer.url());

@@ -3,12 +3,13 @@
 #include <exception>
 #include <utility>
 
+#include "kinloop/core/log.hpp"
 #include "viewer/server/access.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr const char* kRest = "rest of the map";
+constexpr const char* kRestJob = "rest of the map";
 
 }  // namespace
 
@@ -17,18 +18,28 @@ ShownFeed::ShownFeed(Shown shown)
 
 /// Prepares what comes next, unless that is being done or there is no more.
 void ShownFeed::prepare_next() {
-  if (executor_->busy(kRest) || prepared_ == shown_.rest.size()) return;
-  executor_->submit({}, {.kind = kRest, .work = [this, prepare = shown_.rest[prepared_]]() -> Completion {
-                           return [this, parts = prepare()]() mutable { parts_ = std::move(parts); };
-                         }});
-  ++prepared_;
+  if (executor_->busy(kRestJob) || prepared_ == shown_.rest.size()) return;
+  // Once it is prepared, what it was made of is no longer needed.
+  const auto prepare = std::exchange(shown_.rest[prepared_++], {});
+  executor_->submit({}, {.kind = kRestJob, .work = [this, prepare] { return prepared(prepare); }});
+}
+
+/// Returns what is to be done on the viewer's thread once a part of the rest is prepared. Without it, all
+/// else can be shown.
+Completion ShownFeed::prepared(const std::function<std::vector<EncodedPart>()>& prepare) {
+  try {
+    return [this, parts = prepare()]() mutable { parts_ = std::move(parts); };
+  } catch (const std::exception& error) {
+    log::warn("part of the map cannot be shown: {}", error.what());
+    return [] {};
+  }
 }
 
 void ShownFeed::take(const Command& command) {
   if (command.kind != CommandKind::kWithdrawLoop || !shown_.withdraw) return;
   if (busy_) return;
-  if (prepared_ < shown_.rest.size() || executor_->busy(kRest)) {
-    notice_ = {"The map is still being sent; try again in a moment."};
+  if (prepared_ < shown_.rest.size() || executor_->busy(kRestJob)) {
+    notice_ = {"The map is still being prepared; try again in a moment."};
     return;
   }
   notice_ = {"Taking the loop out, and solving the map again...", true};
@@ -53,8 +64,8 @@ void ShownFeed::work() {
 Completion ShownFeed::withdraw(const std::function<Shown(const std::string&)>& make,
                                const std::string& loop) {
   try {
-    return [this, shown = make(loop)] {
-      shown_ = shown;
+    return [this, shown = make(loop)]() mutable {
+      shown_ = std::move(shown);
       is_new_ = true;
       parts_.clear();
     };
@@ -79,7 +90,7 @@ void ShownFeed::collect() {
 /// Shows the first of what is new.
 void ShownFeed::begin(Scene& scene) {
   if (!std::exchange(is_first_, false)) scene.restart(random_token());
-  shown_.show(scene);
+  std::exchange(shown_.show, {})(scene);
   prepared_ = 0;
   if (!shown_.greeting.empty()) notice_ = {shown_.greeting};
 }

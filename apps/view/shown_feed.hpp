@@ -44,6 +44,7 @@ class ShownFeed {
  private:
   void begin(Scene& scene);
   void prepare_next();
+  Completion prepared(const std::function<std::vector<EncodedPart>()>& prepare);
   void collect();
   Completion withdraw(const std::function<Shown(const std::string&)>& make, const std::string& loop);
 
@@ -51,7 +52,7 @@ class ShownFeed {
   bool is_new_ = true;                  // not in the scene yet
   bool is_first_ = true;                // the scene is empty
   std::optional<Notice> notice_;        // to be told
-  size_t prepared_ = 0;                 // of the rest, or being prepared
+  size_t prepared_ = 0;                 // of the rest, also in progress
   std::vector<EncodedPart> parts_;      // prepared, not in the scene yet
   bool busy_ = false;                   // with a command
   std::mutex mutex_;                    // for the next two

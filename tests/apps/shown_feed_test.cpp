@@ -83,14 +83,22 @@ TEST_F(Feed, ShowsWhatAPictureNeedsBeforeTheRestWhichIsInOrder) {
   update_until(feed, [&] { return shows(PartKind::kKeyframeImage); });
 }
 
-TEST_F(Feed, NoLoopIsWithdrawnBeforeAllOfTheMapIsSent) {
+TEST_F(Feed, WhatCannotBePreparedIsLeftOut) {
+  Shown shown = shown_map("map");
+  shown.rest[0] = []() -> std::vector<EncodedPart> { throw std::runtime_error("damaged"); };
+  ShownFeed feed(shown);
+  update_until(feed, [&] { return shows(PartKind::kKeyframeImage); });
+  EXPECT_FALSE(shows(PartKind::kCloud));
+}
+
+TEST_F(Feed, NoLoopIsWithdrawnBeforeAllOfTheMapIsPrepared) {
   Shown shown = shown_map("map");
   shown.withdraw = [&](const std::string&) { return shown_map("after"); };
   ShownFeed feed(shown);
   feed.update(scene_);
   feed.take({CommandKind::kWithdrawLoop, "1,2"});
   update_until(feed, [&] { return shows(PartKind::kKeyframeImage); });
-  EXPECT_EQ(message(), "The map is still being sent; try again in a moment.");
+  EXPECT_EQ(message(), "The map is still being prepared; try again in a moment.");
   feed.take({CommandKind::kWithdrawLoop, "1,2"});
   update_until(feed, [&] { return json_of(PartKind::kHello)["input"] == "after"; });
 }

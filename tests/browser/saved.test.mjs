@@ -92,6 +92,8 @@ async function checkSlowFrames(page) {
   });
   assert.ok(moving.share < 1, 'fewer points');
   assert.ok(moving.width < 0.5 * moving.clientWidth, 'larger pixels');
+  await until(() => page.evaluate(() => window.kinloop.view.resolution === 1), 'the pixels are small again');
+  assert.ok((await paintedPixels(page, '#scene')) > 5000, 'the picture is there while the rest is drawn');
   const rests = () => {
     const { view } = window.kinloop;
     const { width, clientWidth } = view.renderer.domElement;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kinloop/dense/live_mesh/view_gain.hpp"
 #include "kinloop/dense/undistorted_images.hpp"
 #include "tests/dense/plane_view.hpp"
 

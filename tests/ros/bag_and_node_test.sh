@@ -10,7 +10,7 @@ folder="$(mktemp -d)"
 pids=()
 clean_up() {
   local status=$?
-  if [[ $status -ne 0 ]]; then tail -n 20 "$folder"/*.log; fi
+  if [[ $status -ne 0 ]]; then tail -n 20 "$folder"/*.log || true; fi
   for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
   wait
   rm -rf "$folder"
@@ -39,9 +39,11 @@ start_roscore() {
     roscore -p "$port" >"$folder/roscore.log" 2>&1 &
     local roscore_pid=$!
     pids+=("$roscore_pid")
-    while kill -0 "$roscore_pid" 2>/dev/null; do
-      timeout 5 rosparam list >/dev/null 2>&1 && return
-      sleep 0.3
+    for _ in $(seq 60); do
+      kill -0 "$roscore_pid" 2>/dev/null || break
+      # A run id that this roscore has set: the port may be that of another one.
+      grep -q "setting /run_id" "$folder/roscore.log" && timeout 5 rosparam list >/dev/null 2>&1 && return
+      sleep 0.5
     done
   done
   return 1
@@ -52,6 +54,7 @@ color=/kinect2/qhd/image_color_rect depth=/kinect2/qhd/image_depth_rect
 rosbag record -q -O "$folder/published.bag" /kinloop/pose /kinloop/pose_with_covariance >"$folder/record.log" 2>&1 &
 record_pid=$!
 pids+=("$record_pid")
+for _ in $(seq 100); do grep -q "Subscribing to /kinloop/pose_with" "$folder/record.log" && break || sleep 0.1; done
 timeout 120 "$node" _topics:="$color,$depth" _keep_all:=true _idle_s:=8 \
   _camera:="$folder/frames/camera.yaml" _output:="$folder/node" >"$folder/node.log" 2>&1 &
 node_pid=$!

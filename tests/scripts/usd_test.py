@@ -14,10 +14,11 @@ from program import SMALL, kinloop
 
 try:
     import numpy as np
-    from pxr import Ar, Usd, UsdGeom, UsdShade, UsdValidation
+    import pxr  # noqa: F401
 except ImportError as error:
     print(f"skipped: {error}; see scripts/install_test_packages.sh")
     sys.exit(77)
+from pxr import Ar, Usd, UsdGeom, UsdShade, UsdValidation  # noqa: E402
 
 ROUNDED_M = 1e-5  # of the text in the scene
 JPEG = b"\xff\xd8\xff"

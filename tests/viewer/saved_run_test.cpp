@@ -244,7 +244,7 @@ TEST_F(SavedRunTest, SaysWhatCannotBeShown) {
               HasSubstr("holds no points"));
 }
 
-TEST(SavedRunPartsTest, TheFirstPictureNeedsLittleOfALargeCloudAndBatchesGiveAllOfIt) {
+TEST(SavedRunBatches, TheFirstPictureNeedsLittleOfALargeCloudAndBatchesGiveAllOfIt) {
   constexpr size_t kPoints = 1'300'000;
   SavedRun run;
   for (size_t i = 0; i < kPoints; ++i)
@@ -252,22 +252,22 @@ TEST(SavedRunPartsTest, TheFirstPictureNeedsLittleOfALargeCloudAndBatchesGiveAll
                                   0);
   run.cloud.colors.resize(kPoints);
   run.mesh = triangle();
-  const SavedRunParts parts(run);
+  const std::vector<CloudPiece> pieces = split_into_pieces(run.cloud);
   Scene first("x"), all("x");
-  parts.show_first(first);
+  show_first(first, run, pieces);
   EXPECT_LT(first.bytes(), 300'000U);
   EXPECT_TRUE(test::part(first, PartKind::kCloud));
   EXPECT_EQ(test::json_of(*test::part(first, PartKind::kStatus))["points"], kPoints);
   EXPECT_FALSE(test::part(first, PartKind::kMesh));
   show_saved_run(all, run);
   size_t bytes = 0;
-  for (size_t i = 0; i < parts.batches(); ++i) {
-    for (EncodedPart& part : parts.batch(i)) {
+  for (size_t i = 0; i < batch_count(pieces); ++i) {
+    for (EncodedPart& part : encode_batch(run, pieces, i)) {
       bytes += part.body.size();
       first.put(part.kind, part.index, std::move(part.body));
     }
   }
-  EXPECT_GT(parts.batches(), 2U);
+  EXPECT_GT(batch_count(pieces), 2U);
   EXPECT_GT(bytes, 9 * kPoints) << "nine bytes and more for a point";
   EXPECT_EQ(first.bytes(), all.bytes());
 }

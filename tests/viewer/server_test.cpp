@@ -402,7 +402,8 @@ TEST(ViewerServer, WaitsUntilBrowsersHaveBeenSentEverything) {
   ASSERT_TRUE(part);
   EXPECT_EQ(part->body, "\1\2\3");
   served.put(PartKind::kMesh, 0, WireBytes(20'000'000));
-  EXPECT_FALSE(served.wait_until_sent(kShort_ms)) << "the browser does not read";
+  ASSERT_TRUE(browser.next_piece()) << "it has begun to come";
+  EXPECT_FALSE(served.wait_until_sent(kShort_ms)) << "the browser does not read on";
 }
 
 TEST(ViewerServer, IdleConnectionsAreLimited) {

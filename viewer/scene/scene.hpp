@@ -25,7 +25,7 @@ struct ScenePart {
   std::shared_ptr<const WireBytes> body;
 };
 
-/// What becomes a part: large ones are encoded before, on another thread.
+/// A part that is encoded, but not in a scene yet.
 struct EncodedPart {
   PartKind kind = PartKind::kHello;
   uint32_t index = 0;
@@ -48,6 +48,9 @@ class Scene {
 
   /// Returns the first part that changed after `version`; nullopt if up to date.
   [[nodiscard]] std::optional<ScenePart> next_after(uint64_t version) const;
+
+  /// The version of the part that was put last.
+  [[nodiscard]] uint64_t newest() const { return newest_; }
 
   /// Total size of all parts, bytes.
   [[nodiscard]] size_t bytes() const { return bytes_; }

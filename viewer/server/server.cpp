@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <limits>
 #include <map>
 
 #include <boost/asio/ip/host_name.hpp>
@@ -144,11 +145,12 @@ void ViewerServer::send_changes() {
   }
 }
 
-bool ViewerServer::is_up_to_date() const {
-  return std::all_of(browsers_.begin(), browsers_.end(), [](const auto& browser) {
-    const auto watching = browser.lock();
-    return !watching || watching->is_up_to_date();
-  });
+uint64_t ViewerServer::sent_version() const {
+  uint64_t least = std::numeric_limits<uint64_t>::max();
+  for (const auto& browser : browsers_) {
+    if (const auto watching = browser.lock()) least = std::min(least, watching->sent_version());
+  }
+  return least;
 }
 
 size_t ViewerServer::browsers() const {

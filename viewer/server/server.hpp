@@ -54,8 +54,9 @@ class ViewerServer {
   /// Sends the changes to every browser.
   void send_changes();
 
-  /// Whether every browser has been sent the whole scene.
-  [[nodiscard]] bool is_up_to_date() const;
+  /// Returns the version up to which every browser has been sent all parts; the highest number without
+  /// browsers.
+  [[nodiscard]] uint64_t sent_version() const;
 
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const;

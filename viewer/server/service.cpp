@@ -37,14 +37,17 @@ class ViewerService::Impl {
   [[nodiscard]] const std::string& url() const { return url_; }
   [[nodiscard]] size_t browsers() const { return browsers_; }
 
-  bool wait_until_sent(std::chrono::milliseconds most) const {
-    const auto until = std::chrono::steady_clock::now() + most;
+  bool wait_until_sent(std::chrono::milliseconds timeout) const {
+    const auto until = std::chrono::steady_clock::now() + timeout;
+    const auto wait_for = [&](const auto& condition) {
+      while (browsers_ > 0 && !stopped_ && std::chrono::steady_clock::now() < until && !condition())
+        std::this_thread::sleep_for(kBetweenUpdates);
+      return browsers_ == 0 || condition();
+    };
     const size_t updates = updates_ + 1;  // one may be in progress
-    while (updates_ <= updates || !up_to_date_) {
-      if (std::chrono::steady_clock::now() > until) return false;
-      std::this_thread::sleep_for(kBetweenUpdates);
-    }
-    return true;
+    if (!wait_for([&] { return updates_ > updates; })) return false;
+    const uint64_t version = newest_version_;
+    return wait_for([&] { return sent_version_ >= version; });
   }
 
  private:
@@ -55,6 +58,7 @@ class ViewerService::Impl {
       tick();
       context_.run();
     } catch (const std::exception& error) {
+      stopped_ = true;
       log::error("viewer stopped: {}; the run continues", error.what());
     }
   }
@@ -65,7 +69,8 @@ class ViewerService::Impl {
     browsers_ = server_.browsers();
     update_(scene_, browsers_);
     server_.send_changes();
-    up_to_date_ = server_.is_up_to_date();
+    newest_version_ = scene_.newest();
+    sent_version_ = server_.sent_version();
     ++updates_;
     const auto busy = std::chrono::steady_clock::now() - began;
     timer_.expires_after(std::max<std::chrono::steady_clock::duration>(kBetweenUpdates, busy));
@@ -81,8 +86,9 @@ class ViewerService::Impl {
   ViewerServer server_;
   std::string url_;
   std::atomic<size_t> browsers_ = 0, updates_ = 0;
-  std::atomic<bool> up_to_date_ = true;  // every browser, after the last update
-  std::thread thread_;                   // declared last: it uses all the others
+  std::atomic<uint64_t> newest_version_ = 0, sent_version_ = 0;  // after the last update
+  std::atomic<bool> stopped_ = false;
+  std::thread thread_;  // declared last: it uses all the others
 };
 
 ViewerService::ViewerService(const ListenAddress& listen, std::function<void(Scene&, size_t)> update,
@@ -99,8 +105,8 @@ size_t ViewerService::browsers() const {
   return impl_->browsers();
 }
 
-bool ViewerService::wait_until_sent(std::chrono::milliseconds most) const {
-  return impl_->wait_until_sent(most);
+bool ViewerService::wait_until_sent(std::chrono::milliseconds timeout) const {
+  return impl_->wait_until_sent(timeout);
 }
 
 }  // namespace kinloop

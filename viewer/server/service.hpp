@@ -29,9 +29,9 @@ class ViewerService {
   /// Number of connected browsers.
   [[nodiscard]] size_t browsers() const;
 
-  /// Waits until the scene has been updated and every browser has been sent it, at most for so long; returns
-  /// whether that is so.
-  bool wait_until_sent(std::chrono::milliseconds most) const;
+  /// Waits until the scene has been updated and every browser has been sent what it held then, as far as the
+  /// operating system tells; returns whether that is so within `timeout`. Without browsers, returns at once.
+  bool wait_until_sent(std::chrono::milliseconds timeout) const;
 
  private:
   class Impl;  // keeps Boost.Asio out of the headers

@@ -46,10 +46,6 @@ void WebSocketSession::send_next() {
   if (idle_ && (sending_.body || begin_part())) send_piece();
 }
 
-bool WebSocketSession::is_up_to_date() const {
-  return idle_ && !sending_.body && !scene_.next_after(position_.seen);
-}
-
 /// Chooses the next unseen part, and continues where the connection has broken; false if there is none.
 bool WebSocketSession::begin_part() {
   auto part = scene_.next_after(position_.seen);

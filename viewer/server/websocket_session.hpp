@@ -38,8 +38,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   /// Sends what the browser has not seen, unless that is in progress.
   void send_next();
 
-  /// Whether the browser has been sent the whole scene.
-  [[nodiscard]] bool is_up_to_date() const;
+  /// The version up to which all parts have been sent.
+  [[nodiscard]] uint64_t sent_version() const { return position_.seen; }
 
   [[nodiscard]] bool may_control() const { return on_command_ != nullptr; }
 

@@ -1,6 +1,7 @@
 #include "kinloop/dense/live_mesh/fuse_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kinloop {
@@ -21,6 +22,20 @@ struct BlockInImage {
   std::array<Eigen::Vector3f, 3> step;
 };
 
+/// For each channel, red first, what the values of an image are with a gain.
+using CompensatedValues = std::array<std::array<float, 256>, 3>;
+
+CompensatedValues compensated_values(const ColorGain& gain) {
+  constexpr float kBrightest = 255;
+  CompensatedValues compensated{};
+  for (size_t channel = 0; channel < compensated.size(); ++channel) {
+    const float factor = gain[static_cast<Eigen::Index>(channel)];
+    for (size_t value = 0; value < compensated[channel].size(); ++value)
+      compensated[channel][value] = std::min(kBrightest, factor * static_cast<float>(value));
+  }
+  return compensated;
+}
+
 /// Updates the voxels of blocks by projecting them into a view.
 class BlockFusion {
  public:
@@ -32,14 +47,8 @@ class BlockFusion {
         scale_(scale),
         radius_m_(std::sqrt(3.0) / 2 * kTsdfBlockEdge * scale.voxel_m),
         truncation_m_(static_cast<float>(scale.truncation_m)),
-        colored_m_(static_cast<float>(kColored_voxels * scale.voxel_m)) {
-    for (size_t i = 0; i < compensated_.size(); ++i) {
-      for (size_t value = 0; value < compensated_[i].size(); ++value) {
-        constexpr float kBrightest = 255;
-        const float factor = view.color_gain[static_cast<Eigen::Index>(i)];
-        compensated_[i][value] = std::min(kBrightest, factor * static_cast<float>(value));
-      }
-    }
+        colored_m_(static_cast<float>(kColored_voxels * scale.voxel_m)),
+        compensated_(compensated_values(view.color_gain)) {
     const PinholeCamera& camera = view.camera.color;
     K_ << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
   }
@@ -158,8 +167,8 @@ class BlockFusion {
   TsdfScale scale_;
   double radius_m_;  // of the ball around a block
   float truncation_m_, colored_m_;
+  CompensatedValues compensated_;
   Eigen::Matrix3d K_;
-  std::array<std::array<float, 256>, 3> compensated_{};  // red, green and blue with the gain of the view
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 // In: the images of a view. Out: what its fusion needs of them.
 
+#include <optional>
 #include <span>
 #include <vector>
 

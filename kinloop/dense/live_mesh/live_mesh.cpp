@@ -60,22 +60,20 @@ void LiveMesh::correct(std::span<const SE3> T_world_keyframe) {
   T_world_keyframe_.assign(T_world_keyframe.begin(), T_world_keyframe.end());
 }
 
-void LiveMesh::fuse(const FusionView& view, KeyframeId keyframe, const SE3& T_keyframe_camera) {
+void LiveMesh::fuse(FusionView view, KeyframeId keyframe, const SE3& T_keyframe_camera) {
   ++views_;
   const SE3 T_world_camera = T_world_keyframe_[keyframe.value] * T_keyframe_camera;
   const auto samples = sampled_surface(view, sample_stride_px(view.camera.color, options_));
   std::vector<size_t> parts = agreeing_parts(samples, T_world_camera);
   // Exposure changes slowly: where a view shows too little that is known, it is that of the last one.
   gain_ = view_gain(color_pairs(view, samples, T_world_camera, parts)).value_or(gain_);
-  FusionView compensated = view;
-  compensated.color_gain = gain_;
+  view.color_gain = gain_;
   std::vector<WantedBlock> blocks = wanted_blocks(samples, T_world_camera, keyframe, parts);
   link(parts);
   for (const size_t i : parts) parts_[i].last_view = views_;
   allocate(std::move(blocks));
   const DepthTiles tiles(view.depth_m);
-  for (const size_t i : parts)
-    parts_[i].submap.fuse(compensated, tiles, T_world_camera.inverse() * pose(parts_[i]));
+  for (const size_t i : parts) parts_[i].submap.fuse(view, tiles, T_world_camera.inverse() * pose(parts_[i]));
 }
 
 /// Returns the colours of some samples in the view and in the first of the parts that knows them.
@@ -88,9 +86,9 @@ std::vector<ColorPair> LiveMesh::color_pairs(const FusionView& view, std::span<c
     const Submap& submap = parts_[i].submap;
     std::erase_if(left, [&](const Eigen::Vector3f& p_camera) {
       const auto in_mesh = submap.color_at((T_part_camera * p_camera.cast<double>()).cast<float>());
-      const auto in_view = color_at(view, p_camera);
-      if (in_mesh && in_view) pairs.push_back({*in_view, *in_mesh});
-      return in_mesh.has_value();
+      if (!in_mesh) return false;
+      if (const auto in_view = color_at(view, p_camera)) pairs.push_back({*in_view, *in_mesh});
+      return true;
     });
   }
   return pairs;

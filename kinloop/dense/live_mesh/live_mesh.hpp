@@ -40,7 +40,7 @@ class LiveMesh {
   void correct(std::span<const SE3> T_world_keyframe);
 
   /// Fuses a view. Its pose is relative to a keyframe near it, of which the pose is known.
-  void fuse(const FusionView& view, KeyframeId keyframe, const SE3& T_keyframe_camera);
+  void fuse(FusionView view, KeyframeId keyframe, const SE3& T_keyframe_camera);
 
   /// Returns at most `most` pieces that changed much: new ones, those that gained surface, and those of three
   /// times as many views as before.

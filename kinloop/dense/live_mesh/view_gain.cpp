@@ -1,7 +1,8 @@
 #include "kinloop/dense/live_mesh/view_gain.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <utility>
 
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/dense/cloud/color_gains.hpp"

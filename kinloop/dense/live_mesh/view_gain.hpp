@@ -1,10 +1,11 @@
 #pragma once
 // In: the colours of surfaces in a view, and those that the mesh has there. Out: factors that make up for
-// the exposure and white balance of the view. Afterwards, all views are solved together: see
-// dense/cloud/color_gains.
+// the exposure and white balance of the view. dense/cloud/color_gains solves for all views together instead.
 
 #include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "kinloop/dense/cloud/colored_cloud.hpp"
 

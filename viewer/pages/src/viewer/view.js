@@ -12,6 +12,7 @@ import { interiorView } from './interior.js';
 const SMOOTH_MS = 33; // after a slower frame, fewer points are drawn
 const SLOW_MS = 100; // after two slower ones, where fewer cannot be drawn, pixels are larger
 const LARGER = 0.7; // factor on the resolution then
+const SMOOTH_FRAMES = 10; // after so many, they are smaller again
 const LEAST_RESOLUTION = 0.3; // of that of the canvas
 const REST_MS = 250; // idle time after which everything is drawn
 const SLICE = 1_000_000; // points or triangles of each frame in which this happens: some 0.7 s in software
@@ -51,7 +52,9 @@ export class View {
     this.onDrawn = () => {};
     this.share = 1;
     this.turned = false; // whether the viewpoint has moved since the last frame
+    this.turnedMs = -Infinity; // when it last has
     this.slowFrames = 0;
+    this.smoothFrames = 0;
     this.lastMs = performance.now();
     this.changedMs = this.lastMs;
     this.measuredMs = -Infinity;
@@ -82,7 +85,9 @@ export class View {
 
     if (this.dirty) {
       this.changedMs = nowMs;
+      if (this.turned) this.turnedMs = nowMs;
       this.adapt(passedMs);
+      if (nowMs - this.turnedMs > REST_MS) this.setResolution(1); // a map that grows may take longer
       this.turned = false;
       this.draw();
     } else if (this.unfinished && nowMs - this.changedMs > REST_MS) {
@@ -103,8 +108,9 @@ export class View {
     this.framesPerSecond = smoothing * this.framesPerSecond + (1 - smoothing) * (1000 / Math.max(1, passedMs));
     const isLeast = this.adaptShare(passedMs);
     this.slowFrames = isLeast && this.turned && passedMs > SLOW_MS ? this.slowFrames + 1 : 0;
+    this.smoothFrames = passedMs < SMOOTH_MS ? this.smoothFrames + 1 : 0;
     if (this.slowFrames >= 2) this.setResolution(Math.max(LEAST_RESOLUTION, LARGER * this.resolution));
-    if (!this.turned) this.setResolution(1); // a map that grows may take longer
+    if (this.smoothFrames % SMOOTH_FRAMES === SMOOTH_FRAMES - 1) this.setResolution(Math.min(1, this.resolution / LARGER));
   }
 
   /** Adapts the share of the map that is drawn; returns whether no less can be drawn. */
@@ -124,6 +130,11 @@ export class View {
 
   /** Draws more of the map once the graphics card has drawn the slice before. */
   drawNextSlice() {
+    if (this.resolution < 1) {
+      this.setResolution(1); // which clears the picture
+      this.draw();
+      return;
+    }
     const context = this.renderer.getContext();
     if (this.finished > 0 && context.getSyncParameter(this.fence, context.SYNC_STATUS) !== context.SIGNALED) return;
     context.deleteSync(this.fence ?? null);
@@ -135,6 +146,7 @@ export class View {
 
   /** Draws everything, shaded. */
   drawAll() {
+    this.setResolution(1);
     this.drawSlice(0, 1);
   }
 
@@ -142,7 +154,6 @@ export class View {
   drawSlice(from, to) {
     const { eyeDome, renderer, scene, world } = this;
     const { camera } = this.cameraControls;
-    this.setResolution(1);
     this.prepare(1);
     world.slice(from, to);
     eyeDome.drawSurfaces(renderer, scene, camera, from > 0);
