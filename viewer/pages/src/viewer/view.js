@@ -29,7 +29,10 @@ export class View {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true, preserveDrawingBuffer: true });
     this.resolution = 1; // of the picture while something moves, relative to the one at rest
     this.setResolution(1);
-    this.cameraControls = new CameraControls(canvas, world, () => (this.dirty = this.turned = true));
+    this.cameraControls = new CameraControls(canvas, world, () => {
+      this.dirty = true;
+      this.turned = this.cameraControls?.touched ?? false; // not where the view adapts to a map that grows
+    });
     this.floor = new Floor();
     const headlight = new DirectionalLight(0xffffff, 2); // for meshes without colours
     headlight.position.z = 1;
@@ -51,7 +54,7 @@ export class View {
     this.onMeasured = () => {};
     this.onDrawn = () => {};
     this.share = 1;
-    this.turned = false; // whether the viewpoint has moved since the last frame
+    this.turned = false; // whether the user has moved the viewpoint since the last frame
     this.turnedMs = -Infinity; // when it last has
     this.slowFrames = 0;
     this.smoothFrames = 0;
