@@ -191,10 +191,6 @@ EncodedPart encode_piece(std::span<const CloudPiece> pieces, size_t index) {
   return {PartKind::kCloud, static_cast<uint32_t>(index), encode_cloud(pieces[index])};
 }
 
-void put_all(Scene& scene, std::vector<EncodedPart> parts) {
-  for (EncodedPart& part : parts) scene.put(part.kind, part.index, std::move(part.body));
-}
-
 /// The mesh, or the model of a file, which is sent as it is.
 std::vector<EncodedPart> encode_surface(const SavedRun& run) {
   std::vector<EncodedPart> parts;
@@ -305,8 +301,7 @@ void show_first(Scene& scene, const SavedRun& run, std::span<const CloudPiece> p
   show_paths(scene, run);
   const auto ate = show_truth(scene, run);
   scene.put(PartKind::kStatus, 0, encode_json(status_of(run, ate)));
-  for (size_t i = 0; i < std::min(kFirstPieces, pieces.size()); ++i)
-    put_all(scene, {encode_piece(pieces, i)});
+  for (size_t i = 0; i < std::min(kFirstPieces, pieces.size()); ++i) scene.put({encode_piece(pieces, i)});
   show_coarsely(scene, run.mesh);
   if (const auto timeline = timeline_of(run, ate ? ate->poses : std::vector<PoseError>()); !timeline.empty())
     scene.put(PartKind::kTimeline, 0, encode_timeline(timeline));
@@ -330,7 +325,7 @@ std::vector<EncodedPart> encode_batch(const SavedRun& run, std::span<const Cloud
 void show_saved_run(Scene& scene, const SavedRun& run) {
   const std::vector<CloudPiece> pieces = split_into_pieces(run.cloud);
   show_first(scene, run, pieces);
-  for (size_t i = 0; i < batch_count(pieces); ++i) put_all(scene, encode_batch(run, pieces, i));
+  for (size_t i = 0; i < batch_count(pieces); ++i) scene.put(encode_batch(run, pieces, i));
 }
 
 void show_notice(Scene& scene, const SavedRun& run, const Notice& notice) {

@@ -37,7 +37,7 @@ std::string messages_of(const Scene& scene) {
 std::string page_of(const SavedRun& run, const std::vector<KeyframeImage>& images) {
   Scene scene("shared");
   show_saved_run(scene, run);
-  for (const KeyframeImage& image : images) scene.put(PartKind::kKeyframeImage, image.keyframe, image.jpeg);
+  scene.put(encode_keyframe_images(images));
   constexpr std::string_view kSlot = "<script type=\"application/gzip\" id=\"recording\">";
   std::string page(viewer_page());
   const size_t slot = page.find(kSlot);

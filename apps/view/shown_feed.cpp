@@ -99,7 +99,7 @@ void ShownFeed::update(Scene& scene) {
   collect();
   if (std::exchange(is_new_, false)) return begin(scene);
   if (const auto notice = std::exchange(notice_, {})) shown_.tell(scene, *notice);
-  for (EncodedPart& part : std::exchange(parts_, {})) scene.put(part.kind, part.index, std::move(part.body));
+  scene.put(std::exchange(parts_, {}));
   prepare_next();
 }
 

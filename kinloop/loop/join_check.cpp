@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "kinloop/loop/correct_loop.hpp"
+
 namespace kinloop {
 namespace {
 
@@ -51,8 +53,8 @@ std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& lat
     return view.visit == visits.first && view.component == later.component && knows_what_rests(view);
   });
   if (earlier == nullptr) return std::nullopt;
-  const SE3 T_earlier_later = earlier->T_world_camera.inverse() * later.T_world_camera;
-  return JoinedViews{visits, {view_of(*earlier), view_of(later), T_earlier_later, away_m}};
+  return JoinedViews{visits,
+                     {view_of(*earlier), view_of(later), current_pose(map, earlier->id, later.id), away_m}};
 }
 
 }  // namespace

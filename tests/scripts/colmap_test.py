@@ -8,9 +8,8 @@ installs. SHARED_DATA is not used.
 import sys
 import tempfile
 import unittest
-from pathlib import Path
 
-from program import kinloop
+from program import SmallRunTest, kinloop
 
 try:
     import numpy as np
@@ -30,19 +29,14 @@ def poses_of(file):
     return {line.split()[0]: np.array(line.split()[1:4], float) for line in file.read_text().splitlines() if line[0] != "#"}
 
 
-class Colmap(unittest.TestCase):
+class Colmap(SmallRunTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.run_folder, cls.model_folder = (Path(cls.folder.name) / name for name in ("run", "model"))
-        kinloop("run", "sim:room", "-q", "-o", cls.run_folder, *SMALL)
+        super().setUpClass()
+        cls.model_folder = cls.folder / "model"
         kinloop("export", cls.run_folder, "-q", "--frame", "camera", "--colmap", cls.model_folder, "--images", IMAGES,
                 "--points", CLOUD_POINTS)
         cls.model = pycolmap.Reconstruction(cls.model_folder / "sparse/0")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
 
     def test_images_are_as_many_as_asked_with_files_of_the_cameras_size(self):
         self.assertEqual(self.model.num_images(), IMAGES)

@@ -7,11 +7,9 @@ installs. SHARED_DATA is not used.
 
 import json
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-from program import SMALL, kinloop
+from program import SmallRunTest, kinloop
 
 try:
     import numpy as np
@@ -38,18 +36,11 @@ def cloud_of_images(folder):
     return cloud.voxel_down_sample(0.01)
 
 
-class Open3d(unittest.TestCase):
+class Open3d(SmallRunTest):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = Path(cls.temporary.name)
-        cls.run_folder = cls.folder / "run"
-        kinloop("run", "sim:room", "-q", "-o", cls.run_folder, *SMALL)
+        super().setUpClass()
         cls.cloud = o3d.io.read_point_cloud(str(cls.run_folder / "map.ply"))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
 
     def test_cloud_has_points_colours_and_unit_normals(self):
         self.assertGreater(len(self.cloud.points), 1000)

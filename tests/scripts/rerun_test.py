@@ -11,11 +11,10 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-from program import PROGRAM, SMALL, kinloop
+from program import PROGRAM, SmallRunTest, kinloop
 
 # Without the package around it, which needs the compiled module.
 sys.path.insert(0, str(Path(__file__).parents[2] / "python/kinloop"))
@@ -50,22 +49,15 @@ def chunks_of(parts, file):
     return [chunk.to_record_batch() for chunk in RrdReader(file).stream().to_chunks()]
 
 
-class Rerun(unittest.TestCase):
+class Rerun(SmallRunTest):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = Path(cls.temporary.name)
-        cls.run_folder = cls.folder / "run"
-        kinloop("run", "sim:room", "-q", "-o", cls.run_folder, *SMALL)
+        super().setUpClass()
         cls.rrd = cls.folder / "run.rrd"
         # The program starts the first python3, which must be the one with rerun-sdk.
         os.environ["PATH"] = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
         kinloop("export", cls.run_folder, "-q", "--rrd", cls.rrd)
         cls.chunks = [chunk.to_record_batch() for chunk in RrdReader(cls.rrd).stream().to_chunks()]
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
 
     def rows(self, entity, component, static=False):
         """Stamps in ns (None if static) and values of the rows of a component."""

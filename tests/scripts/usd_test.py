@@ -6,11 +6,9 @@ installs. SHARED_DATA is not used.
 """
 
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-from program import SMALL, kinloop
+from program import SmallRunTest, kinloop
 
 try:
     import numpy as np
@@ -48,18 +46,7 @@ def vertices_of_ply(file):
     return np.stack([vertices["x"], vertices["y"], vertices["z"]], axis=1)
 
 
-class UsdFiles(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = Path(cls.temporary.name)
-        cls.run_folder = cls.folder / "run"
-        kinloop("run", "sim:room", "-q", "-o", cls.run_folder, *SMALL)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
+class UsdFiles(SmallRunTest):
     def open(self, name, *options):
         kinloop("mesh", self.run_folder, "-q", "--voxel", 0.02, *options, "-o", self.folder / name)
         stage = Usd.Stage.Open(str(self.folder / name))

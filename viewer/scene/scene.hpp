@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "viewer/scene/wire_format.hpp"
 
@@ -45,6 +46,11 @@ class Scene {
 
   /// Replaces a part; does nothing if it is unchanged.
   void put(PartKind kind, uint32_t index, WireBytes body);
+
+  /// Replaces parts that were encoded before.
+  void put(std::vector<EncodedPart> parts) {
+    for (EncodedPart& part : parts) put(part.kind, part.index, std::move(part.body));
+  }
 
   /// Returns the first part that changed after `version`; nullopt if up to date.
   [[nodiscard]] std::optional<ScenePart> next_after(uint64_t version) const;
