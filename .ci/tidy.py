@@ -35,7 +35,7 @@ def translation_units(unity):
 
 
 def tidy(file, checks):
-    command = ["clang-tidy", "--quiet", f"--checks={checks}", f"--header-filter={SOURCES}",
+    command = ["clang-tidy", "--quiet", f"--config-file={ROOT}/.ci/clang-tidy", f"--checks={checks}", f"--header-filter={SOURCES}",
                "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-shadow", "-p", BUILD, file]
     result = subprocess.run(command, capture_output=True, text=True)
     return result.returncode == 0, result.stdout

@@ -19,7 +19,7 @@ if(NOT KINLOOP_DATE)  # an archive without a repository
   string(TIMESTAMP KINLOOP_DATE "%Y-%m-%d" UTC)
 endif()
 
-set(packaging ${PROJECT_SOURCE_DIR}/packaging)
+set(packaging ${PROJECT_SOURCE_DIR}/scripts/packaging)
 set(share ${PROJECT_BINARY_DIR}/share)
 configure_file(${packaging}/debian/changelog.in ${share}/changelog.Debian @ONLY)
 configure_file(${packaging}/io.github.kinloop.metainfo.xml.in ${share}/io.github.kinloop.metainfo.xml @ONLY)

@@ -37,7 +37,7 @@ export KINLOOP_CMAKE_ARGS="-DKINLOOP_WITHOUT=video;mpi;ros;cgal ${KINLOOP_CMAKE_
 export KINLOOP_BUILD_FOLDER="${KINLOOP_BUILD_FOLDER:-$PWD/build/portable_wheel}"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
-python -m pip wheel . -q --disable-pip-version-check --no-build-isolation --no-deps -w "$work"
+python -m pip wheel ./python -q --disable-pip-version-check --no-build-isolation --no-deps -w "$work"
 
 python -m wheel unpack -d "$work/unpacked" "$work"/kinloop-*.whl >/dev/null
 scripts/copy_licenses.sh "$KINLOOP_BUILD_FOLDER"/python/kinloop/_kinloop*.so \

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the figures of a batch into the documents, or checks that they are there.
 
-    kinloop batch suites/docs.yaml -o RESULTS
+    kinloop batch bench/suites/docs.yaml -o RESULTS
     scripts/update_figures.py RESULTS [--check] [FILE.md...]        (default: README.md, docs/measurements.md)
 
 The lines between `<!-- figures: NAME -->` and `<!-- end of figures -->` are replaced by table NAME: `main` or `short`.
@@ -75,7 +75,7 @@ def read_rows(results):
         with open(file, newline="", encoding="utf-8") as lines:
             rows = list(csv.DictReader(lines))
         if not rows or any(row["status"] == "not run" for row in rows):
-            raise BadInput(f"{file}: not all runs are finished; run kinloop batch suites/docs.yaml -o {results}")
+            raise BadInput(f"{file}: not all runs are finished; run kinloop batch bench/suites/docs.yaml -o {results}")
         for name in TABLES:
             table(name, rows)
         return rows

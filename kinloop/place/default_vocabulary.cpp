@@ -8,7 +8,7 @@ KINLOOP_EMBED_FILE(default_vocabulary, KINLOOP_DEFAULT_VOCABULARY)
 namespace kinloop {
 
 Vocabulary load_default_vocabulary() {
-  return parse_vocabulary(default_vocabulary(), "the built-in vocabulary (data/orb.kinvoc)", nullptr);
+  return parse_vocabulary(default_vocabulary(), "the built-in vocabulary (kinloop/place/vocabulary/orb.kinvoc)", nullptr);
 }
 
 }  // namespace kinloop

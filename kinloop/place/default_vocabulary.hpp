@@ -5,7 +5,7 @@
 
 namespace kinloop {
 
-/// Returns the default ORB vocabulary: data/orb.kinvoc at build time.
+/// Returns the default ORB vocabulary: kinloop/place/vocabulary/orb.kinvoc at build time.
 Vocabulary load_default_vocabulary();
 
 }  // namespace kinloop

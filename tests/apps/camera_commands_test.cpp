@@ -176,7 +176,7 @@ TEST_F(CameraCommands, RecordAsOneFileGivesTheSameSequence) {
 
 TEST_F(CameraCommands, ARecordingWhoseSourceFailsKeepsTheFramesBefore) {
   ASSERT_EQ(run("simulate room --frames 6 --size 160x120 --quiet -o '" + at("a") + "'").exit_code, kDone);
-  const auto send = test::source_folder() / "examples/python/stream_frames.py";
+  const auto send = test::source_folder() / "docs/examples/python/stream_frames.py";
   ASSERT_EQ(shell("python3 '" + send.string() + "' '" + at("a") + "' >'" + at("bytes") + "'").exit_code,
             kDone);
   for (const char* recording : {"folder", "file.mcap"}) {

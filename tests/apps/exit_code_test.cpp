@@ -73,7 +73,7 @@ TEST_F(ExitCodes, TheProgramStartsWhereNoThreadCan) {
 }
 
 TEST_F(ExitCodes, AnInterruptedRunDoesNotWaitForASilentSender) {
-  const auto send = test::source_folder() / "examples/python/stream_frames.py";
+  const auto send = test::source_folder() / "docs/examples/python/stream_frames.py";
   folder_.write("interrupt.sh", R"(cd "${0%/*}"
 rm -rf fifo out log code
 mkfifo fifo

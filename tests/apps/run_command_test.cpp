@@ -253,7 +253,7 @@ TEST_F(RunCommand, ReportsGroundTruthWithoutOverlapInTime) {
 
 TEST_F(RunCommand, AStreamThatBreaksOffKeepsWhatWasMapped) {
   const std::string send = "python3 '" +
-                           (test::source_folder() / "examples/python/stream_frames.py").string() + "' '" +
+                           (test::source_folder() / "docs/examples/python/stream_frames.py").string() + "' '" +
                            sequence() + "'";
   const std::string map = " | '" KINLOOP_PROGRAM "' run - -q -o '";
   EXPECT_EQ(shell(send + map + at("whole") + "'").exit_code, kDone);

@@ -100,14 +100,14 @@ class Suites(BatchTest):
                       self.run_suite("sequences: [tum/fr1_unknown]", expect=3))  # fmt: skip
 
     def test_the_suites_of_the_project_can_be_read(self):
-        suites = {path.stem: read_suite(path) for path in (SOURCE / "suites").glob("*.yaml")}
+        suites = {path.stem: read_suite(path) for path in (SOURCE / "bench" / "suites").glob("*.yaml")}
         names = {stem: {s.pattern for s in suite.sequences} for stem, suite in suites.items() if stem not in ("docs", "regression")}
         self.assertEqual({stem: len(found) for stem, found in names.items()},
                          {"tum": 47, "eth3d": 61, "icl_nuim": 8, "7scenes": 46, "bonn": 26, "replica": 8, "openloris": 22, "scannet": 1513})  # fmt: skip
         for found in names.values():
             self.assertEqual([name for name in found if not DATASET_NAME.fullmatch(name)], [])
         self.assertIn("docs", suites)
-        before = read_summaries(SOURCE / "suites" / "regression.csv")  # what .ci/check_accuracy.sh compares with
+        before = read_summaries(SOURCE / "bench" / "suites" / "regression.csv")  # what .ci/check_accuracy.sh compares with
         self.assertEqual([s["sequence"] for s in before if s["ate_m"] is not None], [s.pattern for s in suites["regression"].sequences])
 
     def test_a_recording_with_other_bytes_than_the_suite_says_is_refused(self):

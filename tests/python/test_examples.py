@@ -80,7 +80,7 @@ def test_frames_in_and_poses_out(sequence, program_run, tmp_path):
 
 def test_read_poses_of_a_socket(sequence, tmp_path):
     socket = tmp_path / "poses.sock"
-    with start(sys.executable, SOURCE / "examples/python/read_poses.py", socket, stdout=subprocess.PIPE) as reader:
+    with start(sys.executable, SOURCE / "docs/examples/python/read_poses.py", socket, stdout=subprocess.PIPE) as reader:
         run = start(os.environ["KINLOOP_PROGRAM"], "run", sequence, "-q", "-o", tmp_path / "out", "--poses-to",
                     f"unix:{socket}", stderr=subprocess.PIPE)  # may say that the first lines found no reader
         lines = reader.stdout.read().splitlines()

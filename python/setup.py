@@ -15,7 +15,7 @@ import sys
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
-ROOT = pathlib.Path(__file__).resolve().parent
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 VERSION = re.search(r"project\(kinloop VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
 OPTIONS = {
     "CMAKE_BUILD_TYPE": "Release",
@@ -65,7 +65,7 @@ setup(
         "batch": ["pyyaml", "dask", "distributed", "dask-jobqueue", "fsspec", "pandas", "pyarrow"],
     },
     packages=["kinloop", "kinloop.batch"],
-    package_dir={"kinloop": "python/kinloop"},
+    package_dir={"kinloop": "kinloop"},
     package_data={"kinloop": ["py.typed", "_kinloop.pyi"], "kinloop.batch": ["*.html"]},
     ext_modules=[Extension("kinloop._kinloop", sources=[])],
     cmdclass={"build_ext": CMakeBuild},
