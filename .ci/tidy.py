@@ -18,7 +18,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "tidy"
-FOLDERS = ("kinloop", "session", "drivers", "simulator", "tools", "viewer", "apps", "ros")
+FOLDERS = ("kinloop", "dense", "session", "drivers", "simulator", "tools", "viewer", "apps", "ros")
 # These take a quarter of the time, since they look at all system headers, and gcc warns of most that they find.
 SLOW = ("reserved-identifier", "stringview-nullptr", "suspicious-string-compare", "multiple-statement-macro",
         "assert-side-effect", "infinite-loop", "suspicious-semicolon", "sizeof-expression", "dangling-handle")

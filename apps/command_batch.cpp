@@ -8,8 +8,8 @@
 
 #include <unistd.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/python_files.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/files/python_files.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {

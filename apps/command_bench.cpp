@@ -10,17 +10,17 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/files/ply.hpp"
+#include "dense/surfels/voxel_samples.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/dense/cloud/voxel_samples.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/source/open_frame_source.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tools/evaluation/evaluate.hpp"
 

@@ -5,14 +5,14 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
-#include "session/named_trajectory.hpp"
+#include "session/store/named_trajectory.hpp"
 #include "tools/evaluation/compare.hpp"
 #include "tools/evaluation/evaluation_plot.hpp"
 #include "tools/evaluation/evaluation_table.hpp"

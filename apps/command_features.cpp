@@ -12,13 +12,13 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/features/feature_comparison.hpp"
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/features/surf.hpp"
+#include "kinloop/features/extraction/surf.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 
 namespace kinloop {

@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "apps/fetch/public_datasets.hpp"
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/download.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/files/download.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"

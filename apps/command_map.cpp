@@ -9,17 +9,17 @@
 #include "apps/map/map_locate.hpp"
 #include "apps/map/map_withdraw.hpp"
 #include "apps/map/merge_maps.hpp"
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "session/map_store.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 namespace {

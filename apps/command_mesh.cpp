@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
+#include "dense/files/mesh_file.hpp"
+#include "dense/texture/texture_mesh.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/texture/texture_mesh.hpp"
-#include "kinloop/io/mesh_file.hpp"
-#include "session/map_store.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 namespace {

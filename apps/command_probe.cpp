@@ -10,17 +10,17 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/consistency/input_checker.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/input/checks/input_checker.hpp"
+#include "session/source/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/interrupt.hpp"
-#include "apps/shared/recorder.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/files/recorder.hpp"
+#include "apps/shared/terminal/interrupt.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "drivers/kinect2/kinect2_raw.hpp"
 #include "drivers/live/paced_source.hpp"
 #include "kinloop/core/errors.hpp"
@@ -19,7 +19,7 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/source/open_frame_source.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/report_file.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/files/report_file.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"

@@ -9,17 +9,17 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/commands.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "drivers/datasets/tum_writer.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/commands.hpp"
+#include "apps/shared/command_line/commands.hpp"
 #include "apps/vocab/vocab_train.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/stopwatch.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tools/vocabulary_training/dbow2_text.hpp"
 
 namespace kinloop {

@@ -4,7 +4,7 @@
     bench/floor_plan.py KINLOOP SEED... [--folder FOLDER]
 
 Runs the rooms `sim:room:SEED` unless FOLDER has them, draws their plans and compares these with the rooms, whose walls
-are 1.45 m from the path of the camera on every side (simulator/room.cpp). The plan is aligned by the trajectory.
+are 1.45 m from the path of the camera on every side (simulator/room/room.cpp). The plan is aligned by the trajectory.
 """
 
 import argparse

@@ -16,7 +16,7 @@
 #include <sys/resource.h>
 
 #include "bench/graph_worlds.hpp"
-#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
+#include "tools/export/g2o/g2o_file.hpp"
 
 namespace kinloop {
 namespace {

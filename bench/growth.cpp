@@ -10,10 +10,10 @@
 #include "kinloop/back_end/self_calibration.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/stopwatch.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,12 +6,12 @@
 #include <opencv2/features2d.hpp>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/optimize/bundle/bundle.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
 #include "simulator/simulated_source.hpp"
 

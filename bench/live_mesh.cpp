@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "dense/files/ply.hpp"
 #include "kinloop/core/stopwatch.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
-#include "session/open_frame_source.hpp"
 #include "session/session.hpp"
+#include "session/source/open_frame_source.hpp"
 #include "viewer/scene/incremental_mesh.hpp"
 #include "viewer/scene/run_feed.hpp"
 #include "viewer/scene/wire_format.hpp"

@@ -20,7 +20,7 @@ if(KINLOOP_PROGRAM)
           FILES_MATCHING PATTERN "*.py" PATTERN "*.html")
   install(FILES python/kinloop/_rerun.py DESTINATION ${CMAKE_INSTALL_DATADIR}/kinloop COMPONENT program)
 endif()
-install(DIRECTORY kinloop drivers simulator tools session DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
+install(DIRECTORY kinloop dense drivers simulator tools session DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
         FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT kinloopTargets NAMESPACE kinloop:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
 configure_package_config_file(cmake/kinloopConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake

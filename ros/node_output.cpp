@@ -11,7 +11,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "drivers/ros/ros_messages.hpp"
-#include "kinloop/map/pose_covariance.hpp"
+#include "kinloop/map/frames/pose_covariance.hpp"
 
 namespace kinloop::ros1 {
 namespace {

@@ -9,7 +9,7 @@
 #include "drivers/live/live_frames.hpp"
 #include "drivers/ros/ros_messages.hpp"
 #include "drivers/ros/ros_topics.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop::ros1 {
 

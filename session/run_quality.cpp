@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/time.hpp"
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 
 namespace kinloop {
 

@@ -2,9 +2,9 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "dense/files/ply.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 
 namespace kinloop {
 namespace {

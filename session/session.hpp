@@ -13,16 +13,16 @@
 #include <utility>
 #include <vector>
 
+#include "dense/files/file_frame.hpp"
+#include "dense/options.hpp"
 #include "kinloop/core/progress.hpp"
-#include "kinloop/dense/options.hpp"
-#include "kinloop/io/file_frame.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 #include "kinloop/slam/slam.hpp"
-#include "session/dense_recorder.hpp"
-#include "session/frame_pipeline.hpp"
-#include "session/input_monitor.hpp"
-#include "session/recording_doctor.hpp"
+#include "session/input/input_monitor.hpp"
+#include "session/input/recording_advisor.hpp"
+#include "session/source/frame_pipeline.hpp"
+#include "session/store/dense_recorder.hpp"
 
 namespace kinloop {
 

@@ -10,8 +10,8 @@
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
-#include "simulator/renderer.hpp"
-#include "simulator/room.hpp"
+#include "simulator/render/renderer.hpp"
+#include "simulator/room/room.hpp"
 
 namespace kinloop {
 namespace {

@@ -12,12 +12,12 @@
 #include <optional>
 #include <string>
 
-#include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/passable_source.hpp"
-#include "simulator/depth_camera.hpp"
-#include "simulator/depth_stamps.hpp"
-#include "simulator/kinect_model.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
+#include "kinloop/sensor/source/passable_source.hpp"
 #include "simulator/movers/mover_options.hpp"
+#include "simulator/sensors/depth_camera.hpp"
+#include "simulator/sensors/depth_stamps.hpp"
+#include "simulator/sensors/kinect_model.hpp"
 
 namespace kinloop {
 

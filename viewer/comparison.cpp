@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "kinloop/geometry/up_direction.hpp"
+#include "dense/up_direction.hpp"
 #include "viewer/scene/saved_cloud.hpp"
 
 namespace kinloop {

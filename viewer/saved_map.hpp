@@ -5,9 +5,9 @@
 #include <span>
 
 #include "kinloop/core/progress.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
-#include "session/map_store.hpp"
+#include "session/store/map_store.hpp"
 #include "viewer/saved_run.hpp"
 
 namespace kinloop {

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "dense/files/file_frame.hpp"
+#include "dense/files/ply.hpp"
+#include "dense/up_direction.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/geometry/up_direction.hpp"
-#include "kinloop/io/file_frame.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "viewer/index_by_stamp.hpp"

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/map/tracked_frame.hpp"
-#include "session/viewer_options.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
+#include "session/plan/viewer_options.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/frame_table.hpp"
 #include "viewer/saved_loops.hpp"

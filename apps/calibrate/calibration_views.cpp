@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/progress_bar.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/options.hpp"

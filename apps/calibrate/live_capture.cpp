@@ -8,11 +8,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "apps/run/run_viewer.hpp"
-#include "apps/shared/interrupt.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/terminal/interrupt.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/source/open_frame_source.hpp"
 
 namespace kinloop {
 

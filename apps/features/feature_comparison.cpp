@@ -9,12 +9,12 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/stopwatch.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
-#include "session/open_frame_source.hpp"
+#include "session/source/open_frame_source.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 #include "tools/feature_comparison/draw_matches.hpp"
 

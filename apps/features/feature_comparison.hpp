@@ -12,8 +12,8 @@
 
 #include "kinloop/features/options.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/frame_source.hpp"
-#include "session/open_frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
+#include "session/source/open_frame_source.hpp"
 #include "tools/feature_comparison/evaluate_pair.hpp"
 
 namespace kinloop {

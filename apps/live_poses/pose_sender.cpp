@@ -5,8 +5,8 @@
 #include "apps/run/frame_recorder.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/map/frame_log.hpp"
-#include "kinloop/map/pose_covariance.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
+#include "kinloop/map/frames/pose_covariance.hpp"
 
 namespace kinloop {
 namespace {

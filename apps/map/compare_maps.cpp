@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/interrupt.hpp"
+#include "apps/shared/terminal/interrupt.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "viewer/report/report.hpp"

@@ -2,7 +2,7 @@
 // In: two map files of one place. Out: both in one frame, and what differs between them.
 
 #include "apps/map/merge_maps.hpp"
-#include "kinloop/geometry/up_direction.hpp"
+#include "dense/up_direction.hpp"
 #include "tools/map_difference/map_difference.hpp"
 #include "viewer/comparison.hpp"
 

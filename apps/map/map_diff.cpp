@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/map/compare_maps.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/interrupt.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/interrupt.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
+#include "dense/files/ply.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 
 namespace kinloop {
 namespace {

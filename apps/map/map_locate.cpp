@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/common_options.hpp"
+#include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
-#include "session/map_store.hpp"
-#include "session/run_plan.hpp"
+#include "session/plan/run_plan.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 namespace {

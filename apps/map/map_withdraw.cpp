@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "apps/map/withdraw_from_file.hpp"
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
-#include "session/map_store.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 namespace {

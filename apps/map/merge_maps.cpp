@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "apps/shared/common_options.hpp"
+#include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "session/restore_surfaces.hpp"
-#include "session/run_plan.hpp"
+#include "session/plan/run_plan.hpp"
+#include "session/store/restore_surfaces.hpp"
 
 namespace kinloop {
 

@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "kinloop/core/progress.hpp"
-#include "session/map_store.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 

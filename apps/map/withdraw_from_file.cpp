@@ -15,8 +15,8 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"
-#include "session/map_store.hpp"
-#include "session/run_plan.hpp"
+#include "session/plan/run_plan.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 namespace {

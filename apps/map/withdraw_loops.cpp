@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 
 namespace kinloop {

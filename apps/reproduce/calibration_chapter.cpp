@@ -8,10 +8,10 @@
 #include <opencv2/core.hpp>
 
 #include "apps/reproduce/chapters.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "apps/shared/python_files.hpp"
+#include "apps/shared/files/python_files.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 

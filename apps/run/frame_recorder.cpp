@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 
 namespace kinloop {
 

@@ -1,10 +1,10 @@
 #include "apps/run/run_arguments.hpp"
 
 #include "apps/run/run_viewer.hpp"
-#include "apps/shared/common_options.hpp"
+#include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
-#include "session/shifted_depth_source.hpp"
-#include "session/thinned_source.hpp"
+#include "session/source/shifted_depth_source.hpp"
+#include "session/source/thinned_source.hpp"
 
 namespace kinloop {
 

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "session/run_plan.hpp"
+#include "session/plan/run_plan.hpp"
 
 namespace kinloop {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "kinloop/core/progress.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 #include "kinloop/slam/listener.hpp"
 
 namespace kinloop {

@@ -4,20 +4,20 @@
 
 #include <fmt/format.h>
 
-#include "apps/run/loop_pictures.hpp"
-#include "apps/shared/report_file.hpp"
+#include "apps/run/summary/loop_pictures.hpp"
+#include "apps/shared/files/report_file.hpp"
+#include "dense/files/ply.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
-#include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "session/process.hpp"
+#include "tools/export/g2o/g2o_file.hpp"
 #include "tools/export/trajectory_writer.hpp"
 #include "viewer/report/run_up_direction.hpp"
 

@@ -9,12 +9,12 @@
 
 #include "apps/run/frame_recorder.hpp"
 #include "apps/run/run_arguments.hpp"
-#include "apps/run/run_summary.hpp"
-#include "apps/run/run_warnings.hpp"
+#include "apps/run/summary/run_summary.hpp"
+#include "apps/run/summary/run_warnings.hpp"
 #include "kinloop/core/files/file_lock.hpp"
 #include "kinloop/io/run_folder.hpp"
-#include "session/map_store.hpp"
 #include "session/session.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 

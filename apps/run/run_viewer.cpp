@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "apps/shared/interrupt.hpp"
+#include "apps/shared/terminal/interrupt.hpp"
 #include "kinloop/core/log.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/saved_run.hpp"

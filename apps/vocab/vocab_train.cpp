@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "apps/shared/common_options.hpp"
-#include "apps/shared/progress_bar.hpp"
-#include "apps/shared/standard_output.hpp"
+#include "apps/shared/command_line/common_options.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
+#include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/anonymous_temp_file.hpp"
 #include "kinloop/core/files/output_file.hpp"
@@ -20,7 +20,7 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tools/vocabulary_training/descriptor_file.hpp"
 #include "tools/vocabulary_training/mpi_communicator.hpp"
 #include "tools/vocabulary_training/scratch_memory.hpp"

@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 namespace kinloop {
 

@@ -11,7 +11,7 @@
 
 #include "kinloop/features/features.hpp"
 #include "kinloop/features/matcher.hpp"
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 namespace kinloop {
 

@@ -7,7 +7,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/sensor/sensor.hpp"
 #include "tools/vocabulary_training/training_images.hpp"
 

@@ -5,7 +5,7 @@
 #include <opencv2/flann.hpp>
 
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/place/descriptor_space.hpp"
+#include "kinloop/place/vocabulary/descriptor_space.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 #include "bench/place/place_search.hpp"
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/features/hamming.hpp"
-#include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/loop/recognition/recognize_place.hpp"
 
 namespace kinloop {
 namespace {

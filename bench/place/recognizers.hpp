@@ -8,7 +8,7 @@
 #include "bench/place/places.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/place/place_index.hpp"
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 namespace kinloop {
 

@@ -10,8 +10,8 @@
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/stopwatch.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
 #include "kinloop/place/place_index.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 
 namespace kinloop {
 namespace {

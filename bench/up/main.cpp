@@ -16,12 +16,12 @@
 #include <fmt/format.h>
 
 #include "bench/up/planes.hpp"
+#include "dense/surfels/surface_normals.hpp"
+#include "dense/surfels/voxel_samples.hpp"
+#include "dense/up_direction.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/cloud/surface_normals.hpp"
-#include "kinloop/dense/cloud/voxel_samples.hpp"
-#include "kinloop/geometry/up_direction.hpp"
 #include "simulator/camera_path.hpp"
 #include "simulator/simulated_source.hpp"
 

@@ -4,10 +4,10 @@
 
 #include <cstdio>
 
-#include "kinloop/features/extractor.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
+#include "drivers/image_files/image_file.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/place/place_index.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 
 int main(int argc, char** argv) try {
   if (argc < 3) {

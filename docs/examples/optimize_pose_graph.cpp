@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
-#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
+#include "tools/export/g2o/g2o_file.hpp"
 
 namespace {
 

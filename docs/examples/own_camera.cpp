@@ -10,7 +10,7 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "kinloop/sensor/images/image_file.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace {

@@ -8,6 +8,7 @@
 
 #include "drivers/azure/azure_calibration.hpp"
 #include "drivers/azure/matroska_file.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
@@ -16,7 +17,6 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

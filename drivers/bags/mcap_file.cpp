@@ -4,8 +4,8 @@
 
 #include "drivers/bags/chunk_decompression.hpp"
 #include "drivers/bags/record_file.hpp"
+#include "drivers/recording_format.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/recording_format.hpp"
 
 namespace kinloop {
 namespace {

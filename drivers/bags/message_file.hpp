@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kinloop/core/files/byte_reader.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -8,7 +8,7 @@
 
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -10,7 +10,7 @@
 
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -6,11 +6,11 @@
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/datasets/reading/frame_masks.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/numpy.hpp"
 #include "drivers/images/mask_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

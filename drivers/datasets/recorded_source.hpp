@@ -8,8 +8,8 @@
 #include "drivers/datasets/reading/video_reader.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
-#include "kinloop/sensor/frame_source.hpp"
-#include "kinloop/sensor/passable_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
+#include "kinloop/sensor/source/passable_source.hpp"
 
 namespace kinloop {
 

@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,8 +10,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "drivers/live/kinect_options.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

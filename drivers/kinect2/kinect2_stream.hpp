@@ -9,7 +9,7 @@
 #include "drivers/kinect2/kinect2_device.hpp"
 #include "drivers/kinect2/kinect2_listener.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

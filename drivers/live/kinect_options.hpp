@@ -3,7 +3,7 @@
 #include <string>
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

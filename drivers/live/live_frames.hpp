@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "drivers/live/frame_pairer.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "kinloop/sensor/forwarding_source.hpp"
+#include "kinloop/sensor/source/forwarding_source.hpp"
 
 namespace kinloop {
 

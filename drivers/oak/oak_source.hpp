@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "drivers/live/kinect_options.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

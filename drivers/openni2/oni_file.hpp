@@ -13,7 +13,7 @@
 
 #include "drivers/openni2/openni_image.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/ros/ros_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

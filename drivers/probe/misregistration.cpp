@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/probe/sequence_statistics.hpp"
-#include "kinloop/sensor/consistency/depth_borders.hpp"
+#include "kinloop/sensor/surfaces/depth_borders.hpp"
 
 namespace kinloop {
 namespace {

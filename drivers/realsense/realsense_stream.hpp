@@ -9,7 +9,7 @@
 #include <librealsense2/rs.hpp>
 
 #include "drivers/live/kinect_options.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

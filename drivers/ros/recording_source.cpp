@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/first_reason.hpp"
+#include "drivers/recording_format.hpp"
 #include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
-#include "kinloop/sensor/recording_format.hpp"
 
 namespace kinloop {
 namespace {

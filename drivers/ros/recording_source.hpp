@@ -7,7 +7,7 @@
 
 #include "drivers/bags/message_file.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "drivers/stream/socket_file.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/mask_image.hpp"
 #include "drivers/ros/ros_image.hpp"
@@ -16,7 +17,6 @@
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

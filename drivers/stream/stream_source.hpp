@@ -6,7 +6,7 @@
 #include <string>
 
 #include "drivers/stream/frame_protocol.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
 

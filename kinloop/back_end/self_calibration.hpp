@@ -5,7 +5,7 @@
 // cannot deform the map. The final adjustment estimates all parameters.
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/map/frame_velocities.hpp"
+#include "kinloop/map/frames/frame_velocities.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 

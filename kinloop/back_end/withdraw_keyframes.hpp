@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 
 namespace kinloop {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "kinloop/features/extraction/image_octaves.hpp"
 #include "kinloop/features/features.hpp"
-#include "kinloop/features/image_octaves.hpp"
 
 namespace kinloop {
 

@@ -7,7 +7,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/map/pose_covariance.hpp"
+#include "kinloop/map/frames/pose_covariance.hpp"
 
 namespace kinloop {
 

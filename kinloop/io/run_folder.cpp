@@ -7,7 +7,6 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 
 namespace kinloop {
 
@@ -40,23 +39,6 @@ RunFolder RunFolder::open_existing(std::filesystem::path path) {
   RunFolder folder;
   folder.path_ = std::move(path);
   return folder;
-}
-
-void write_run_files(const RunFolder& folder, const RunFiles& files) {
-  write_tum_trajectory(folder.trajectory(), files.trajectory, files.note);
-  write_covariances(folder.covariances(), files.trajectory, files.covariances);
-  write_tum_trajectory(folder.keyframes(), files.keyframes);
-  if (files.ground_truth.empty()) {
-    std::error_code ignored;
-    if (std::filesystem::exists(folder.run_json(), ignored)) {  // otherwise it is not from an earlier run
-      std::filesystem::remove(folder.ground_truth(), ignored);
-    }
-  } else {
-    write_tum_trajectory(folder.ground_truth(), files.ground_truth);
-  }
-  write_ply(folder.map(), files.map, files.frame);
-  if (files.metrics.is_null()) return;
-  write_file(folder.run_json(), json_text(files.metrics, 2) + "\n");
 }
 
 nlohmann::json read_run_json(const std::filesystem::path& path) {

@@ -8,10 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "kinloop/core/files/folder_lock.hpp"
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/io/covariance_file.hpp"
-#include "kinloop/io/file_frame.hpp"
 
 namespace kinloop {
 
@@ -53,22 +49,6 @@ class RunFolder {
   std::filesystem::path path_;
   std::shared_ptr<const FolderLock> lock_;  ///< null for the folder of an earlier run
 };
-
-/// A run's results, as values.
-struct RunFiles {
-  Trajectory trajectory;
-  Trajectory keyframes;
-  Trajectory ground_truth;                 ///< if empty, no file is written and an old one is removed
-  ColoredCloud map;                        ///< in the world frame
-  FileFrame frame;                         ///< of map.ply
-  nlohmann::json metrics;                  ///< run.json; null: not written
-  TrajectoryCovariances covariances = {};  ///< of the trajectory's poses
-  std::string note = {};  ///< comment in trajectory.txt, see note_on_doubtful_poses; empty: none
-};
-
-/// Writes all of these files (camera.yaml, graph.g2o, frames.txt, loops and report.html are written
-/// elsewhere).
-void write_run_files(const RunFolder& folder, const RunFiles& files);
 
 /// Reads a run.json. Throws InputError naming the file if it is not a JSON object.
 nlohmann::json read_run_json(const std::filesystem::path& path);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "kinloop/loop/compare_visits.hpp"
-#include "kinloop/loop/relative_scale.hpp"
+#include "kinloop/loop/verification/compare_visits.hpp"
+#include "kinloop/loop/verification/relative_scale.hpp"
 
 namespace kinloop {
 namespace {

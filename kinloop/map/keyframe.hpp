@@ -7,7 +7,7 @@
 #include "kinloop/features/features.hpp"
 #include "kinloop/features/patches.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 namespace kinloop {
 

@@ -12,8 +12,8 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/features/matcher.hpp"
 #include "kinloop/geometry/camera.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 

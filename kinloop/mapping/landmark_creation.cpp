@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
 

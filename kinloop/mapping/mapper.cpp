@@ -2,10 +2,10 @@
 
 #include "kinloop/mapping/landmark_creation.hpp"
 #include "kinloop/mapping/triangulate.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 #include "kinloop/tracking/direct/refine_keypoints.hpp"
 #include "kinloop/tracking/evidence/moved_points.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 // Adds tracked frames to the map as keyframes, with their landmarks.
 
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 #include "kinloop/mapping/options.hpp"
 #include "kinloop/sensor/sensor.hpp"
 

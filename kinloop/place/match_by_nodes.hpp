@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kinloop/features/matcher.hpp"
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 namespace kinloop {
 

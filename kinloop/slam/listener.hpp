@@ -1,8 +1,8 @@
 #pragma once
 // Listeners observe a run: files, viewer, dense maps and the terminal. They cannot change the map.
 
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 
 namespace kinloop {
 

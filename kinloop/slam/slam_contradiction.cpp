@@ -2,7 +2,7 @@
 // pose. What it made of the view while that contradicted the map is taken back when the poses have been in
 // doubt for long.
 
-#include "kinloop/back_end/revise_doubt.hpp"
+#include "kinloop/back_end/final/revise_doubt.hpp"
 #include "kinloop/back_end/withdraw_keyframes.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/slam/slam.hpp"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 #include "kinloop/slam/slam.hpp"
 
 namespace kinloop {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "kinloop/back_end/refine_frames.hpp"
+#include "kinloop/back_end/final/refine_frames.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/loop/seek_support.hpp"
+#include "kinloop/loop/recognition/seek_support.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 

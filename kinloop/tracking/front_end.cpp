@@ -1,10 +1,10 @@
 #include "kinloop/tracking/front_end.hpp"
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/features/extractor.hpp"
-#include "kinloop/features/image_octaves.hpp"
-#include "kinloop/sensor/mask.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
+#include "kinloop/features/extraction/image_octaves.hpp"
+#include "kinloop/sensor/surfaces/mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
 namespace {

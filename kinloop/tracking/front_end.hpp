@@ -4,7 +4,7 @@
 #include "kinloop/features/options.hpp"
 #include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/sensor.hpp"
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 namespace kinloop {
 

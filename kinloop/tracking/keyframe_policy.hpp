@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 #include "kinloop/tracking/options.hpp"
 
 namespace kinloop {

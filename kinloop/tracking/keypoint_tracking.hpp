@@ -3,10 +3,10 @@
 // pose. Pure functions: the caller keeps all state.
 
 #include "kinloop/features/matcher.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/local_map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 #include "kinloop/sensor/sensor.hpp"
-#include "kinloop/tracking/motion_model.hpp"
+#include "kinloop/tracking/motion/motion_model.hpp"
 #include "kinloop/tracking/options.hpp"
 
 namespace kinloop {

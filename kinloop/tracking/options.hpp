@@ -3,8 +3,8 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/optimize/pose/absolute_pose.hpp"
 #include "kinloop/optimize/pose/icp.hpp"
-#include "kinloop/optimize/pose/pnp_ransac.hpp"
-#include "kinloop/optimize/pose/rigid_ransac.hpp"
+#include "kinloop/optimize/pose/ransac/pnp_ransac.hpp"
+#include "kinloop/optimize/pose/ransac/rigid_ransac.hpp"
 
 namespace kinloop {
 

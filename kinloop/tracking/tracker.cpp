@@ -8,15 +8,15 @@
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
-#include "kinloop/map/frame_log.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 #include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/evidence/moved_points.hpp"
 #include "kinloop/tracking/evidence/moving_keypoints.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 #include "kinloop/core/timings.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
-#include "kinloop/tracking/reach.hpp"
+#include "kinloop/tracking/motion/reach.hpp"
 
 namespace kinloop {
 

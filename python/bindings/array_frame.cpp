@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "python/bindings/gil.hpp"
 
 namespace kinloop::python {

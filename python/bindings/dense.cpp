@@ -4,10 +4,10 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "dense/files/mesh_file.hpp"
+#include "dense/files/pcd.hpp"
+#include "dense/files/ply.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/io/mesh_file.hpp"
-#include "kinloop/io/point_cloud/pcd.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "python/bindings/arrays.hpp"
 #include "tools/export/las.hpp"
 

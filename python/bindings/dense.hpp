@@ -1,9 +1,9 @@
 #pragma once
 // Clouds and meshes in Python: the data and the frame of their files.
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/dense/texture/texture_mesh.hpp"
-#include "kinloop/io/file_frame.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/files/file_frame.hpp"
+#include "dense/texture/texture_mesh.hpp"
 
 namespace kinloop::python {
 

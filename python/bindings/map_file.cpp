@@ -5,17 +5,17 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include "dense/texture/texture_mesh.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/texture/texture_mesh.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/options.hpp"
 #include "python/bindings/pose_graph.hpp"
 #include "python/bindings/trajectory.hpp"
-#include "session/export_sparse_model.hpp"
-#include "session/rerun_parts.hpp"
+#include "session/store/export_sparse_model.hpp"
+#include "session/store/rerun_parts.hpp"
 
 namespace kinloop::python {
 namespace {

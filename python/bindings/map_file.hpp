@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include "python/bindings/bindings.hpp"
-#include "session/map_store.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop::python {
 

@@ -7,10 +7,10 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/features/extractor.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/place/place_index.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "kinloop/sensor/sensor.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/gil.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
+#include "tools/export/g2o/g2o_file.hpp"
 
 namespace kinloop::python {
 

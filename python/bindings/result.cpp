@@ -9,8 +9,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "kinloop/io/run_folder.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/dense.hpp"
@@ -18,6 +17,7 @@
 #include "python/bindings/options.hpp"
 #include "python/bindings/pose_graph.hpp"
 #include "session/run_quality.hpp"
+#include "session/store/run_files.hpp"
 
 namespace kinloop::python {
 namespace {

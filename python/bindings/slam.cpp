@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
+#include "dense/texture/texture_mesh.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/dense/texture/texture_mesh.hpp"
-#include "session/map_store.hpp"
 #include "session/process.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop::python {
 namespace {

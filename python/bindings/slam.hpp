@@ -7,14 +7,14 @@
 #include <optional>
 #include <string>
 
-#include "kinloop/dense/texture/texture_mesh.hpp"
-#include "kinloop/io/file_frame.hpp"
+#include "dense/files/file_frame.hpp"
+#include "dense/texture/texture_mesh.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "python/bindings/source.hpp"
-#include "session/dense_recorder.hpp"
-#include "session/input_monitor.hpp"
-#include "session/run_plan.hpp"
+#include "session/input/input_monitor.hpp"
+#include "session/plan/run_plan.hpp"
+#include "session/store/dense_recorder.hpp"
 
 namespace kinloop::python {
 

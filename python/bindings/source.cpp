@@ -11,8 +11,8 @@
 #include "python/bindings/options.hpp"
 #include "python/bindings/stamps.hpp"
 #include "python/bindings/trajectory.hpp"
-#include "session/open_frame_source.hpp"
-#include "session/run_options.hpp"
+#include "session/plan/run_options.hpp"
+#include "session/source/open_frame_source.hpp"
 
 namespace kinloop::python {
 

@@ -5,10 +5,10 @@
 #include <mutex>
 #include <optional>
 
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "python/bindings/bindings.hpp"
-#include "session/frame_pipeline.hpp"
+#include "session/source/frame_pipeline.hpp"
 
 namespace kinloop::python {
 

@@ -11,7 +11,7 @@
 #include "kinloop/core/time.hpp"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/stamps.hpp"
-#include "session/named_trajectory.hpp"
+#include "session/store/named_trajectory.hpp"
 #include "tools/export/trajectory_writer.hpp"
 
 namespace kinloop::python {

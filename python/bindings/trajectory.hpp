@@ -1,7 +1,7 @@
 #pragma once
 
-#include "kinloop/io/trajectory/trajectory_file.hpp"
 #include "python/bindings/bindings.hpp"
+#include "tools/evaluation/trajectory_files/trajectory_file.hpp"
 
 namespace kinloop::python {
 

@@ -1,4 +1,4 @@
-"""Writes the parts of a run (session/rerun_parts.hpp) into a recording for Rerun, https://rerun.io.
+"""Writes the parts of a run (session/store/rerun_parts.hpp) into a recording for Rerun, https://rerun.io.
 
 Usage: _rerun.py PARTS FILE.rrd     or, to find out whether that would work: _rerun.py
 """
@@ -11,7 +11,7 @@ from decimal import Decimal
 from pathlib import Path
 
 MISSING = "a recording for Rerun needs the Python package rerun-sdk; install it: pip install rerun-sdk"
-WARNING = "warning: "  # apps/shared/python_files.cpp shows such lines
+WARNING = "warning: "  # apps/shared/files/python_files.cpp shows such lines
 LOST, DOUBTFUL, TRACKED = range(3)
 TRACKED_COLOR, KEYFRAME_COLOR, LOOP_COLOR = [90, 160, 250], [250, 200, 60], [240, 70, 70]
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "simulator/furniture.hpp"
-#include "simulator/movers/walk_plan.hpp"
-#include "simulator/room_layout.hpp"
+#include "simulator/movers/people/walk_plan.hpp"
+#include "simulator/room/furniture.hpp"
+#include "simulator/room/room_layout.hpp"
 
 namespace kinloop::sim {
 

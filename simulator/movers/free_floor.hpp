@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "simulator/furniture.hpp"
+#include "simulator/room/furniture.hpp"
 
 namespace kinloop::sim {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simulator/movers/door.hpp"
-#include "simulator/movers/person.hpp"
+#include "simulator/movers/people/person.hpp"
 #include "simulator/movers/pushed_chair.hpp"
 
 namespace kinloop::sim {

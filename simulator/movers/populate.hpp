@@ -1,9 +1,9 @@
 #pragma once
 // In: a furnished room and a camera path in it. Out: the people, door and chairs that move there.
 
-#include "simulator/movers/clothes.hpp"
 #include "simulator/movers/mover_options.hpp"
 #include "simulator/movers/movers.hpp"
+#include "simulator/movers/people/clothes.hpp"
 
 namespace kinloop::sim {
 

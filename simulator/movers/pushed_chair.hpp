@@ -1,8 +1,8 @@
 #pragma once
 // In: the free floor of a room. Out: chairs that are pushed to another place at some time, and stay there.
 
-#include "simulator/furniture.hpp"
-#include "simulator/movers/walk_plan.hpp"
+#include "simulator/movers/people/walk_plan.hpp"
+#include "simulator/room/furniture.hpp"
 
 namespace kinloop::sim {
 

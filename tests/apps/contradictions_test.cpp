@@ -8,8 +8,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/files/file_lock.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop {

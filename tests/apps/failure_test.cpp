@@ -1,6 +1,6 @@
 // Everyday faults of the machine each have a message of their own, and none of them is an "internal error".
 
-#include "apps/shared/failure.hpp"
+#include "apps/shared/terminal/failure.hpp"
 
 #include <filesystem>
 #include <new>

@@ -1,6 +1,6 @@
 // How Ctrl-C ends work whose unfinished result is of no use.
 
-#include "apps/shared/interrupt.hpp"
+#include "apps/shared/terminal/interrupt.hpp"
 
 #include <csignal>
 #include <vector>

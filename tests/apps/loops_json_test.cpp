@@ -1,4 +1,4 @@
-#include "apps/run/loops_json.hpp"
+#include "apps/run/summary/loops_json.hpp"
 
 #include <memory>
 #include <string>

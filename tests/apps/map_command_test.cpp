@@ -13,11 +13,11 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/map/withdraw_loops.hpp"
+#include "dense/files/ply.hpp"
 #include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"

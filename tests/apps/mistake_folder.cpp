@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/sensor/images/image_file.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "tests/apps/mistakes.hpp"
 
 namespace kinloop::test {

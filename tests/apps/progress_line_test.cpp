@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "apps/shared/progress_bar.hpp"
+#include "apps/shared/terminal/progress_bar.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "kinloop/sensor/images/image_file.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "tests/apps/program_test.hpp"
 #include "tests/support/shared_data.hpp"
 
@@ -253,8 +253,8 @@ TEST_F(RunCommand, ReportsGroundTruthWithoutOverlapInTime) {
 
 TEST_F(RunCommand, AStreamThatBreaksOffKeepsWhatWasMapped) {
   const std::string send = "python3 '" +
-                           (test::source_folder() / "docs/examples/python/stream_frames.py").string() + "' '" +
-                           sequence() + "'";
+                           (test::source_folder() / "docs/examples/python/stream_frames.py").string() +
+                           "' '" + sequence() + "'";
   const std::string map = " | '" KINLOOP_PROGRAM "' run - -q -o '";
   EXPECT_EQ(shell(send + map + at("whole") + "'").exit_code, kDone);
   EXPECT_EQ(run("run '" + at("seq") + "' -q -o '" + at("folder") + "'").exit_code, kDone);

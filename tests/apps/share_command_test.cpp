@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/io/point_cloud/ply.hpp"
+#include "dense/files/ply.hpp"
 #include "tests/apps/program_test.hpp"
 
 namespace kinloop::test {

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/bridge_lost_frames.hpp"
+#include "kinloop/back_end/final/bridge_lost_frames.hpp"
 
 #include <algorithm>
 

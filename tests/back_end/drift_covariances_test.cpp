@@ -1,4 +1,4 @@
-#include "kinloop/back_end/drift_covariances.hpp"
+#include "kinloop/back_end/final/drift_covariances.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/pose_covariances.hpp"
+#include "kinloop/back_end/final/pose_covariances.hpp"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/refine_frames.hpp"
+#include "kinloop/back_end/final/refine_frames.hpp"
 
 #include <gtest/gtest.h>
 

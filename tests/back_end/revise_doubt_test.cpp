@@ -1,4 +1,4 @@
-#include "kinloop/back_end/revise_doubt.hpp"
+#include "kinloop/back_end/final/revise_doubt.hpp"
 
 #include <vector>
 

@@ -7,7 +7,7 @@
 
 #include "kinloop/core/time.hpp"
 #include "kinloop/features/features.hpp"
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 
 namespace kinloop::test {
 

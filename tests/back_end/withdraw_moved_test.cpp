@@ -1,4 +1,4 @@
-#include "kinloop/back_end/withdraw_moved.hpp"
+#include "kinloop/back_end/final/withdraw_moved.hpp"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/color_gains.hpp"
+#include "dense/cloud/color_gains.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/fuse_surfels.hpp"
+#include "dense/surfels/fuse_surfels.hpp"
 
 #include <algorithm>
 #include <cmath>

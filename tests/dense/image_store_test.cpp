@@ -1,4 +1,4 @@
-#include "kinloop/dense/image_store.hpp"
+#include "dense/image_store.hpp"
 
 #include <filesystem>
 #include <limits>
@@ -51,7 +51,7 @@ TEST(ImageStore, DepthComesBackBitByBitAndColourNearly) {
 }
 
 TEST(ImageStore, EncodingTellsWhatDecodingWillGive) {
-  const ImageStoreOptions options{.depth_scale = kScale};
+  const ImageEncoding options{.depth_scale = kScale};
   const auto stored = encode_images(some_images(7).color, some_images(7).depth_m, options);
   const auto decoded = decode_images(stored.encoded, options);
   EXPECT_TRUE(same(stored.decoded.color, decoded.color));
@@ -59,7 +59,7 @@ TEST(ImageStore, EncodingTellsWhatDecodingWillGive) {
 }
 
 TEST(ImageStore, AJpegIsKeptAsItCame) {
-  const ImageStoreOptions options{.depth_scale = kScale, .jpeg_quality = 95};
+  const ImageEncoding options{.depth_scale = kScale, .jpeg_quality = 95};
   const auto images = some_images(8);
   const auto bytes = encode_images(images.color, images.depth_m, {.jpeg_quality = 60}).encoded.color;
   const auto came = ColorImage::from_jpeg({bytes.begin(), bytes.end()});
@@ -71,8 +71,8 @@ TEST(ImageStore, AJpegIsKeptAsItCame) {
 
 TEST(ImageStore, BeyondTheLimitTheyGoToDiskAndComeBackTheSame) {
   ImageStore in_memory({.depth_scale = kScale});
-  ImageStore half({.depth_scale = kScale, .memory_limit_bytes = 20000});
-  ImageStore on_disk({.depth_scale = kScale, .memory_limit_bytes = 0});
+  ImageStore half({.depth_scale = kScale}, 20000);
+  ImageStore on_disk({.depth_scale = kScale}, 0);
   for (uint64_t i = 0; i < 5; ++i) {
     const auto images = some_images(i);
     for (auto* store : {&in_memory, &half, &on_disk}) store->add(images);
@@ -106,7 +106,7 @@ TEST(ImageStore, DepthThatUnitsCannotHoldIsUnknown) {
 
 TEST(ImageStore, MissingTempFolderIsReported) {
   const auto images = some_images(1);
-  ImageStore store({.memory_limit_bytes = 0});
+  ImageStore store({}, 0);
   const test::EnvironmentVariable elsewhere("TMPDIR", "/proc/no-such-folder");
   EXPECT_THAT(test::input_error([&] { store.add(images); }), HasSubstr("set TMPDIR to another folder"));
 }

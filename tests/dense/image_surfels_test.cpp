@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/image_surfels.hpp"
+#include "dense/surfels/image_surfels.hpp"
 
 #include <algorithm>
 #include <cmath>

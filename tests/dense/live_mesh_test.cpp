@@ -1,6 +1,6 @@
 // The mesh that grows during a run.
 
-#include "kinloop/dense/live_mesh/live_mesh.hpp"
+#include "dense/live_mesh/live_mesh.hpp"
 
 #include <limits>
 #include <map>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/dense/live_mesh/view_gain.hpp"
-#include "kinloop/dense/undistorted_images.hpp"
+#include "dense/live_mesh/view_gain.hpp"
+#include "dense/undistorted_images.hpp"
 #include "tests/dense/plane_view.hpp"
 
 namespace kinloop {

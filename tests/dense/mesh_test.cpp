@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
+#include "dense/cloud/point_colors.hpp"
+#include "dense/mesh/reconstruct_mesh.hpp"
+#include "dense/mesh/simplify_mesh.hpp"
+#include "dense/occupancy.hpp"
+#include "dense/usable_depth.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/random.hpp"
-#include "kinloop/dense/cloud/point_colors.hpp"
-#include "kinloop/dense/mesh/reconstruct_mesh.hpp"
-#include "kinloop/dense/mesh/simplify_mesh.hpp"
-#include "kinloop/dense/occupancy.hpp"
-#include "kinloop/dense/usable_depth.hpp"
 #include "kinloop/sensor/depth_noise.hpp"
 #include "tests/dense/plane_view.hpp"
 

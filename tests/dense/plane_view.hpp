@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "kinloop/dense/image_store.hpp"
+#include "dense/image_store.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop::test {

@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/remnants.hpp"
+#include "dense/cloud/remnants.hpp"
 
 #include <algorithm>
 

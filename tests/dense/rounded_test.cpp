@@ -1,4 +1,4 @@
-#include "kinloop/dense/rounded.hpp"
+#include "dense/rounded.hpp"
 
 #include <cmath>
 

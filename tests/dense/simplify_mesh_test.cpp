@@ -1,4 +1,4 @@
-#include "kinloop/dense/mesh/simplify_mesh.hpp"
+#include "dense/mesh/simplify_mesh.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/space_carving.hpp"
+#include "dense/cloud/space_carving.hpp"
 
 #include <algorithm>
 

@@ -3,15 +3,15 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgproc.hpp>
 
+#include "dense/cloud/color_gains.hpp"
+#include "dense/cloud/point_colors.hpp"
+#include "dense/sharpness.hpp"
+#include "dense/texture/atlas/atlas_layout.hpp"
+#include "dense/texture/atlas/pack_rectangles.hpp"
+#include "dense/texture/choose_views.hpp"
+#include "dense/texture/render_depth.hpp"
+#include "dense/texture/texture_mesh.hpp"
 #include "kinloop/core/random.hpp"
-#include "kinloop/dense/cloud/color_gains.hpp"
-#include "kinloop/dense/cloud/point_colors.hpp"
-#include "kinloop/dense/sharpness.hpp"
-#include "kinloop/dense/texture/atlas/atlas_layout.hpp"
-#include "kinloop/dense/texture/atlas/pack_rectangles.hpp"
-#include "kinloop/dense/texture/choose_views.hpp"
-#include "kinloop/dense/texture/render_depth.hpp"
-#include "kinloop/dense/texture/texture_mesh.hpp"
 #include "tests/dense/plane_view.hpp"
 #include "tests/support/expect_error.hpp"
 

@@ -1,4 +1,4 @@
-#include "kinloop/dense/cloud/voxel_grid.hpp"
+#include "dense/surfels/voxel_grid.hpp"
 
 #include <map>
 

@@ -8,10 +8,10 @@
 
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/truth/pose_convention.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/temp_folder.hpp"
 

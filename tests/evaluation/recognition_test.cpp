@@ -6,11 +6,11 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/io/trajectory/trajectory_file.hpp"
 #include "tests/support/random_vectors.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tools/evaluation/clock_offset.hpp"
 #include "tools/evaluation/quaternion_order.hpp"
+#include "tools/evaluation/trajectory_files/trajectory_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/tum_writer.hpp"
+#include "drivers/recording_format.hpp"
 #include "drivers/ros/bag_source.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "kinloop/sensor/recording_format.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "dense/files/ply.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/export/sparse_model/colmap.hpp"

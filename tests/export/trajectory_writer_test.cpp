@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/io/trajectory/trajectory_file.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/evaluation/trajectory_files/trajectory_file.hpp"
 
 namespace kinloop {
 namespace {

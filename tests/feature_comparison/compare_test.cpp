@@ -5,7 +5,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/features/surf.hpp"
+#include "kinloop/features/extraction/surf.hpp"
 #include "tests/features/cluttered_image.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 #include "tools/feature_comparison/draw_matches.hpp"

@@ -1,4 +1,4 @@
-#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -7,11 +7,11 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/features/corner_detector.hpp"
-#include "kinloop/features/detected_keypoints.hpp"
+#include "kinloop/features/extraction/corner_detector.hpp"
+#include "kinloop/features/extraction/detected_keypoints.hpp"
+#include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/matcher.hpp"
-#include "kinloop/features/surf.hpp"
 #include "tests/features/cluttered_image.hpp"
 
 namespace kinloop {

@@ -6,7 +6,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/kernels/corner_scores.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"

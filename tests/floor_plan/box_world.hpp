@@ -9,9 +9,9 @@
 #include <tuple>
 #include <vector>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/dense/image_store.hpp"
-#include "kinloop/dense/posed_image.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/image_store.hpp"
+#include "dense/posed_image.hpp"
 #include "tools/floor_plan/floor_plan.hpp"
 
 namespace kinloop::test {

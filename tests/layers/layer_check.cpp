@@ -61,8 +61,8 @@ const LayerRow* row_of(const std::vector<LayerRow>& rows, const std::string& pat
 std::string objection(const std::vector<LayerRow>& rows, const LayerRow& row, const Include& include) {
   const std::string first_folder = include.target.substr(0, include.target.find('/'));
   const bool of_project =
-      include.bracket == '"' || contains({"kinloop", "drivers", "simulator", "tools", "session", "apps",
-                                          "tests", "bench", "viewer", "python", "ros"},
+      include.bracket == '"' || contains({"kinloop", "dense", "drivers", "simulator", "tools", "session",
+                                          "apps", "tests", "bench", "viewer", "python", "ros"},
                                          first_folder);
   if (!of_project) return {};
   const LayerRow* included = row_of(rows, include.target);

@@ -59,9 +59,10 @@ TEST_F(LayerViolations, AngleBracketsHideNothing) {
 }
 
 TEST_F(LayerViolations, ProgramsTestsAndRelativePathsAreOutOfBounds) {
-  folder_.write("kinloop/slam/slam.cpp",
-                "#include \"apps/shared/commands.hpp\"\n#include \"tests/support/temp_folder.hpp\"\n"
-                "#include \"../base/ids.hpp\"\n#include <bench/bench.hpp>\n");
+  folder_.write(
+      "kinloop/slam/slam.cpp",
+      "#include \"apps/shared/command_line/commands.hpp\"\n#include \"tests/support/temp_folder.hpp\"\n"
+      "#include \"../base/ids.hpp\"\n#include <bench/bench.hpp>\n");
   EXPECT_THAT(violations(), SizeIs(4));
 }
 

@@ -1,10 +1,10 @@
-#include "kinloop/loop/align_views.hpp"
+#include "kinloop/loop/verification/align_views.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "kinloop/loop/view_checks.hpp"
+#include "kinloop/loop/verification/view_checks.hpp"
 #include "tests/loop/room_views.hpp"
 #include "tests/sensor/vga_surfaces.hpp"
 

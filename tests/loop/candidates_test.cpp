@@ -1,4 +1,4 @@
-#include "kinloop/loop/candidates.hpp"
+#include "kinloop/loop/recognition/candidates.hpp"
 
 #include <gtest/gtest.h>
 

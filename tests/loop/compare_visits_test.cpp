@@ -1,4 +1,4 @@
-#include "kinloop/loop/compare_visits.hpp"
+#include "kinloop/loop/verification/compare_visits.hpp"
 
 #include <memory>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "kinloop/loop/drift.hpp"
+#include "kinloop/loop/correction/drift.hpp"
 
 #include <cmath>
 #include <limits>

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "tests/support/random_map.hpp"
 #include "tests/support/synthetic_world.hpp"
 

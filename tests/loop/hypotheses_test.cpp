@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/core/time.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 #include "tests/support/synthetic_world.hpp"
 
 namespace kinloop {

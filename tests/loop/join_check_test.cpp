@@ -1,4 +1,4 @@
-#include "kinloop/loop/join_check.hpp"
+#include "kinloop/loop/verification/join_check.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "kinloop/loop/location_check.hpp"
+#include "kinloop/loop/verification/location_check.hpp"
 
 #include <gtest/gtest.h>
 

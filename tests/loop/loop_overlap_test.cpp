@@ -1,4 +1,4 @@
-#include "apps/run/loop_overlap.hpp"
+#include "apps/run/summary/loop_overlap.hpp"
 
 #include <algorithm>
 

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/loop/candidates.hpp"
-#include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/loop/drift.hpp"
-#include "kinloop/loop/place_recognition.hpp"
-#include "kinloop/loop/verify_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
+#include "kinloop/loop/correction/drift.hpp"
+#include "kinloop/loop/recognition/candidates.hpp"
+#include "kinloop/loop/recognition/place_recognition.hpp"
+#include "kinloop/loop/verification/verify_loop.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/loop/recognize_place.hpp"
+#include "kinloop/loop/recognition/recognize_place.hpp"
 #include "tests/support/random_map.hpp"
 #include "tests/support/synthetic_map.hpp"
 

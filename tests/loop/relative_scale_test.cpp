@@ -1,4 +1,4 @@
-#include "kinloop/loop/relative_scale.hpp"
+#include "kinloop/loop/verification/relative_scale.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "kinloop/loop/view_checks.hpp"
+#include "kinloop/loop/verification/view_checks.hpp"
 
 #include <limits>
 

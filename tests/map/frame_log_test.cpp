@@ -1,4 +1,4 @@
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 
 #include <gtest/gtest.h>
 

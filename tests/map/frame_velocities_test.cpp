@@ -1,4 +1,4 @@
-#include "kinloop/map/frame_velocities.hpp"
+#include "kinloop/map/frames/frame_velocities.hpp"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "tests/support/random_map.hpp"
 #include "tests/support/synthetic_world.hpp"

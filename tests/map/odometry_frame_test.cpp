@@ -1,4 +1,4 @@
-#include "kinloop/map/odometry_frame.hpp"
+#include "kinloop/map/frames/odometry_frame.hpp"
 
 #include <gtest/gtest.h>
 

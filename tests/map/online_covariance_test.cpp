@@ -1,4 +1,4 @@
-#include "kinloop/map/online_covariance.hpp"
+#include "kinloop/map/frames/online_covariance.hpp"
 
 #include <gtest/gtest.h>
 

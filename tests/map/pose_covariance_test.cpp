@@ -1,4 +1,4 @@
-#include "kinloop/map/pose_covariance.hpp"
+#include "kinloop/map/frames/pose_covariance.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "kinloop/map/pose_scatter.hpp"
+#include "kinloop/map/frames/pose_scatter.hpp"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "kinloop/dense/cloud/voxel_samples.hpp"
+#include "dense/surfels/voxel_samples.hpp"
 
 namespace kinloop {
 namespace {

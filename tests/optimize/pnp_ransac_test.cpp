@@ -1,4 +1,4 @@
-#include "kinloop/optimize/pose/pnp_ransac.hpp"
+#include "kinloop/optimize/pose/ransac/pnp_ransac.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

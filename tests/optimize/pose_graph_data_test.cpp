@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "tests/support/shared_data.hpp"
+#include "tools/export/g2o/g2o_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,4 +1,4 @@
-#include "kinloop/optimize/pose/rigid_ransac.hpp"
+#include "kinloop/optimize/pose/ransac/rigid_ransac.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

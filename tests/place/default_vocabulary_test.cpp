@@ -1,4 +1,4 @@
-#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -11,7 +11,7 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/geometry/trajectory.hpp"
 #include "kinloop/place/place_index.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tools/vocabulary_training/training_images.hpp"
 #include "tools/vocabulary_training/vocabulary_stats.hpp"

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/place/descriptor_space.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/descriptor_space.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 #include "tools/vocabulary_training/vocabulary_stats.hpp"

@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/place/descriptor_space.hpp"
+#include "kinloop/place/vocabulary/descriptor_space.hpp"
 
 namespace kinloop::test {
 

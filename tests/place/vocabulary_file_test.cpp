@@ -1,4 +1,4 @@
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 
 #include <cstring>
 

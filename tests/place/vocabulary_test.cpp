@@ -1,10 +1,10 @@
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 #include <numeric>
 
 #include <gmock/gmock.h>
 
-#include "kinloop/place/descriptor_space.hpp"
+#include "kinloop/place/vocabulary/descriptor_space.hpp"
 #include "tests/place/synthetic.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 #include "tools/vocabulary_training/vocabulary_stats.hpp"

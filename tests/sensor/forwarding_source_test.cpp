@@ -1,4 +1,4 @@
-#include "kinloop/sensor/forwarding_source.hpp"
+#include "kinloop/sensor/source/forwarding_source.hpp"
 
 #include <stdexcept>
 

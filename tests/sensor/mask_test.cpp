@@ -1,4 +1,4 @@
-#include "kinloop/sensor/mask.hpp"
+#include "kinloop/sensor/surfaces/mask.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/shared_data.hpp"
 

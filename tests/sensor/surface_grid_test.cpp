@@ -1,4 +1,4 @@
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>

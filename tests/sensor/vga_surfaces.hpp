@@ -1,7 +1,7 @@
 #pragma once
 // The surface grid of a camera of 640 x 480 pixels: 64 x 48 points, 10 px apart.
 
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 #include "tests/support/pinhole_cameras.hpp"
 
 namespace kinloop::test {

@@ -1,4 +1,4 @@
-#include "session/channel.hpp"
+#include "session/source/channel.hpp"
 
 #include <atomic>
 #include <memory>

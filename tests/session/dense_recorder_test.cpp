@@ -1,4 +1,4 @@
-#include "session/dense_recorder.hpp"
+#include "session/store/dense_recorder.hpp"
 
 #include <algorithm>
 #include <cmath>

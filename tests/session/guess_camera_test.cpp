@@ -1,10 +1,10 @@
-#include "session/guess_camera.hpp"
+#include "session/input/guess_camera.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "kinloop/sensor/images/image_file.hpp"
-#include "session/run_plan.hpp"
+#include "drivers/image_files/image_file.hpp"
+#include "session/plan/run_plan.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -1,10 +1,10 @@
-#include "session/input_monitor.hpp"
+#include "session/input/input_monitor.hpp"
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "session/session.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/expect_error.hpp"

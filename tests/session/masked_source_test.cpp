@@ -1,10 +1,10 @@
-#include "session/masked_source.hpp"
+#include "session/source/masked_source.hpp"
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/sensor/images/image_file.hpp"
-#include "session/run_plan.hpp"
+#include "drivers/image_files/image_file.hpp"
+#include "session/plan/run_plan.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

@@ -1,12 +1,12 @@
-#include "session/near_range.hpp"
+#include "session/input/near_range.hpp"
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
-#include "session/run_plan.hpp"
+#include "session/plan/run_plan.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

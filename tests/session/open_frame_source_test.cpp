@@ -1,4 +1,4 @@
-#include "session/open_frame_source.hpp"
+#include "session/source/open_frame_source.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "session/path_scale.hpp"
+#include "session/input/path_scale.hpp"
 
 #include <cmath>
 

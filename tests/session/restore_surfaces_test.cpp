@@ -1,4 +1,4 @@
-#include "session/restore_surfaces.hpp"
+#include "session/store/restore_surfaces.hpp"
 
 #include <gtest/gtest.h>
 

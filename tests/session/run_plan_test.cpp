@@ -1,4 +1,4 @@
-#include "session/run_plan.hpp"
+#include "session/plan/run_plan.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,11 +1,11 @@
-#include "session/sensor_memory.hpp"
+#include "session/plan/sensor_memory.hpp"
 
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/sensor/forwarding_source.hpp"
+#include "kinloop/sensor/source/forwarding_source.hpp"
 #include "session/session.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/temp_folder.hpp"

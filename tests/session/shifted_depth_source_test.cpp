@@ -1,4 +1,4 @@
-#include "session/shifted_depth_source.hpp"
+#include "session/source/shifted_depth_source.hpp"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
-#include "session/thinned_source.hpp"
+#include "session/source/thinned_source.hpp"
 
 #include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "kinloop/sensor/passable_source.hpp"
+#include "kinloop/sensor/source/passable_source.hpp"
 
 namespace kinloop {
 namespace {

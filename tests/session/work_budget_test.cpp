@@ -1,8 +1,8 @@
-#include "session/work_budget.hpp"
+#include "session/plan/work_budget.hpp"
 
 #include <gtest/gtest.h>
 
-#include "session/run_options.hpp"
+#include "session/plan/run_options.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,6 +1,6 @@
 // Stamps of simulated depth compared with those of TUM's freiburg1 recordings.
 
-#include "simulator/depth_stamps.hpp"
+#include "simulator/sensors/depth_stamps.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "simulator/camera_path.hpp"
-#include "simulator/room_layout.hpp"
+#include "simulator/room/room_layout.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {

@@ -10,7 +10,7 @@
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
 #include "simulator/camera_path.hpp"
-#include "simulator/room.hpp"
+#include "simulator/room/room.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/random.hpp"
-#include "simulator/bvh.hpp"
-#include "simulator/texture.hpp"
+#include "simulator/paint/texture.hpp"
+#include "simulator/render/bvh.hpp"
 
 namespace kinloop::sim {
 namespace {

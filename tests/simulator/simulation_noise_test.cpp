@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/random.hpp"
-#include "simulator/kinect_model.hpp"
+#include "simulator/sensors/kinect_model.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "simulator/paint.hpp"
-#include "simulator/palette.hpp"
-#include "simulator/room_layout.hpp"
+#include "simulator/paint/paint.hpp"
+#include "simulator/paint/palette.hpp"
+#include "simulator/room/room_layout.hpp"
 
 namespace kinloop::sim {
 namespace {

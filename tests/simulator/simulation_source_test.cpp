@@ -13,7 +13,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
-#include "simulator/room_layout.hpp"
+#include "simulator/room/room_layout.hpp"
 #include "simulator/simulated_source.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"

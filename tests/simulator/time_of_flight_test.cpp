@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "simulator/multipath.hpp"
-#include "simulator/time_of_flight_model.hpp"
+#include "simulator/sensors/multipath.hpp"
+#include "simulator/sensors/time_of_flight_model.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "tests/slam/recording.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/run/depth_noise_scale.hpp"
+#include "apps/run/summary/depth_noise_scale.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 
 #include "kinloop/core/time.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/loop/place_recognition.hpp"
-#include "kinloop/place/default_vocabulary.hpp"
+#include "kinloop/loop/recognition/place_recognition.hpp"
+#include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "simulator/camera_path.hpp"
 #include "simulator/simulated_source.hpp"

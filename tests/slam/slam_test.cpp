@@ -4,10 +4,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "kinloop/features/extractor.hpp"
-#include "kinloop/features/surf.hpp"
-#include "session/frame_pipeline.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
+#include "kinloop/features/extraction/surf.hpp"
 #include "session/session.hpp"
+#include "session/source/frame_pipeline.hpp"
 #include "tests/slam/recording.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"

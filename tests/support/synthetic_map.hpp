@@ -4,8 +4,8 @@
 
 #include <map>
 
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/map/tracked_frame.hpp"
 #include "kinloop/sensor/frame.hpp"
 #include "tests/support/synthetic_world.hpp"
 

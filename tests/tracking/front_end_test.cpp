@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core/utility.hpp>
 
+#include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/features/features.hpp"
-#include "kinloop/features/surf.hpp"
 #include "kinloop/optimize/pose/icp.hpp"
 #include "tests/features/cluttered_image.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/tracking/keyframe_policy.hpp"
-#include "kinloop/tracking/motion_model.hpp"
+#include "kinloop/tracking/motion/motion_model.hpp"
 #include "tests/support/synthetic_map.hpp"
 
 namespace kinloop {

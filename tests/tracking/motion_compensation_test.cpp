@@ -1,4 +1,4 @@
-#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/motion_model.hpp"
+#include "kinloop/tracking/motion/motion_model.hpp"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/random.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 #include "tests/sensor/vga_surfaces.hpp"
 
 namespace kinloop {

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/reach.hpp"
+#include "kinloop/tracking/motion/reach.hpp"
 
 #include <gtest/gtest.h>
 

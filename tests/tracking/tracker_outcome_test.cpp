@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "kinloop/loop/place_recognition.hpp"
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/loop/recognition/place_recognition.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/tracking/tracker.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tools/vocabulary_training/trainer.hpp"

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/tracking/keypoint_tracking.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
-#include "kinloop/tracking/motion_model.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
+#include "kinloop/tracking/motion/motion_model.hpp"
 #include "tests/support/random_map.hpp"
 #include "tests/support/synthetic_map.hpp"
 

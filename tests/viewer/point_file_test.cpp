@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "dense/files/mesh_file.hpp"
+#include "dense/files/pcd.hpp"
+#include "dense/files/ply.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/io/mesh_file.hpp"
-#include "kinloop/io/point_cloud/pcd.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "viewer/point_files/lzf.hpp"

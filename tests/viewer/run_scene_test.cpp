@@ -11,9 +11,9 @@
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "dense/files/ply.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/viewer/scene_parts.hpp"
 #include "viewer/run_control.hpp"

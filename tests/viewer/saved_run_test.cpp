@@ -8,11 +8,11 @@
 
 #include <gmock/gmock.h>
 
+#include "dense/files/mesh_file.hpp"
+#include "dense/files/ply.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/io/mesh_file.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/io/sample_map.hpp"
 #include "tests/support/expect_error.hpp"

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tests/place/synthetic.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tools/vocabulary_training/vocabulary_stats.hpp"

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/writable_check.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "tools/calibration/edge_width.hpp"
 #include "tools/calibration/find_board.hpp"
 

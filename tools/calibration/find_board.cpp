@@ -8,12 +8,12 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "tools/calibration/board_size.hpp"
 #include "tools/calibration/charuco.hpp"
 

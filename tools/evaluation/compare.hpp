@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/io/trajectory/trajectory_file.hpp"
 #include "tools/evaluation/evaluate.hpp"
+#include "tools/evaluation/trajectory_files/trajectory_file.hpp"
 
 namespace kinloop {
 

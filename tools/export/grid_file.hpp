@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "kinloop/dense/occupancy.hpp"
+#include "dense/occupancy.hpp"
 
 namespace kinloop {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop {
 namespace {

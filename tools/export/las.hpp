@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/io/file_frame.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/files/file_frame.hpp"
 
 namespace kinloop {
 

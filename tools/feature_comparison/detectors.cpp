@@ -4,8 +4,8 @@
 
 #include <opencv2/features2d.hpp>
 
-#include "kinloop/features/extractor.hpp"
-#include "kinloop/features/surf.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
+#include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {

@@ -10,9 +10,9 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/random.hpp"
-#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/matcher.hpp"
-#include "kinloop/optimize/pose/pnp_ransac.hpp"
+#include "kinloop/optimize/pose/ransac/pnp_ransac.hpp"
 #include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {

@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/sensor/images/fast_encoder.hpp"
+#include "drivers/image_files/fast_encoder.hpp"
 #include "tools/floor_plan/drawing.hpp"
 #include "tools/floor_plan/latin1.hpp"
 

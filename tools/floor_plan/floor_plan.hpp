@@ -4,10 +4,10 @@
 
 #include <optional>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/dense/image_store.hpp"
-#include "kinloop/dense/options.hpp"
-#include "kinloop/dense/posed_image.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/image_store.hpp"
+#include "dense/options.hpp"
+#include "dense/posed_image.hpp"
 #include "tools/floor_plan/rooms.hpp"
 
 namespace kinloop {

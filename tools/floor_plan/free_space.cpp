@@ -6,8 +6,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "kinloop/dense/cloud/voxel_samples.hpp"
-#include "kinloop/dense/usable_depth.hpp"
+#include "dense/surfels/voxel_samples.hpp"
+#include "dense/usable_depth.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "dense/image_store.hpp"
+#include "dense/options.hpp"
+#include "dense/posed_image.hpp"
 #include "kinloop/core/progress.hpp"
-#include "kinloop/dense/image_store.hpp"
-#include "kinloop/dense/options.hpp"
-#include "kinloop/dense/posed_image.hpp"
 
 namespace kinloop {
 

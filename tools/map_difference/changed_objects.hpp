@@ -1,7 +1,7 @@
 #pragma once
 // In: the points that changed between two visits. Out: the objects that they belong to.
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "dense/cloud/colored_cloud.hpp"
 #include "tools/map_difference/changed_points.hpp"
 
 namespace kinloop {

@@ -4,8 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "dense/usable_depth.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/dense/usable_depth.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <span>
 
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/image_store.hpp"
+#include "dense/options.hpp"
+#include "dense/posed_image.hpp"
 #include "kinloop/core/progress.hpp"
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/dense/image_store.hpp"
-#include "kinloop/dense/options.hpp"
-#include "kinloop/dense/posed_image.hpp"
 
 namespace kinloop {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "kinloop/core/options.hpp"
-#include "kinloop/place/descriptor_space.hpp"
+#include "kinloop/place/vocabulary/descriptor_space.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 
 namespace kinloop {

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 namespace kinloop {
 

@@ -9,7 +9,7 @@
 
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/progress.hpp"
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 #include "tools/vocabulary_training/clustering.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 #include "tools/vocabulary_training/training_set.hpp"

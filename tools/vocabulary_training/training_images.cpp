@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 #include <opencv2/features2d.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/features/extractor.hpp"
-#include "kinloop/features/surf.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
+#include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/sensor/sensor.hpp"
 #include "tools/vocabulary_training/descriptor_file.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/place/descriptor_kind.hpp"
+#include "kinloop/place/vocabulary/descriptor_kind.hpp"
 
 namespace kinloop {
 

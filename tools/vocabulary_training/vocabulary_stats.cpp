@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "kinloop/place/descriptor_space.hpp"
+#include "kinloop/place/vocabulary/descriptor_space.hpp"
 
 namespace kinloop {
 namespace {

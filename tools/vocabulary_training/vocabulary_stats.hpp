@@ -7,7 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/place/vocabulary.hpp"
+#include "kinloop/place/vocabulary/vocabulary.hpp"
 
 namespace kinloop {
 

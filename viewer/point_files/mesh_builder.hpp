@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "dense/mesh/colored_mesh.hpp"
 
 namespace kinloop {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "dense/mesh/colored_mesh.hpp"
 
 namespace kinloop {
 

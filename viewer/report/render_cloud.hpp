@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "dense/cloud/colored_cloud.hpp"
 
 namespace kinloop {
 

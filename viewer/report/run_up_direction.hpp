@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "kinloop/geometry/up_direction.hpp"
+#include "dense/up_direction.hpp"
 
 namespace kinloop {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "kinloop/dense/cloud/voxel_samples.hpp"
+#include "dense/surfels/voxel_samples.hpp"
 
 namespace kinloop {
 namespace {

@@ -2,7 +2,7 @@
 // In: a mesh. Out: one of few triangles that stands in for it until it has come, and while it takes too long
 // to draw.
 
-#include "kinloop/dense/mesh/colored_mesh.hpp"
+#include "dense/mesh/colored_mesh.hpp"
 
 namespace kinloop {
 

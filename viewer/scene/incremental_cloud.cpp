@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "dense/surfels/voxel_grid.hpp"
 #include "kinloop/core/random.hpp"
-#include "kinloop/dense/cloud/voxel_grid.hpp"
 
 namespace kinloop {
 namespace {

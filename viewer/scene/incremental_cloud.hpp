@@ -3,9 +3,9 @@
 
 #include <unordered_set>
 
-#include "kinloop/dense/cloud/voxel_samples.hpp"
+#include "dense/surfels/voxel_samples.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
-#include "session/viewer_options.hpp"
+#include "session/plan/viewer_options.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {

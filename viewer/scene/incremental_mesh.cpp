@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kinloop/dense/undistorted_images.hpp"
+#include "dense/undistorted_images.hpp"
 #include "kinloop/tracking/front_end.hpp"
 
 namespace kinloop {

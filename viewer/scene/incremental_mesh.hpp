@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/dense/live_mesh/live_mesh.hpp"
+#include "dense/live_mesh/live_mesh.hpp"
 #include "kinloop/sensor/frame.hpp"
-#include "session/viewer_options.hpp"
+#include "session/plan/viewer_options.hpp"
 
 namespace kinloop {
 

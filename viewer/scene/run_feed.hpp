@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "viewer/scene/incremental_mesh.hpp"
 #include "viewer/scene/wire_format.hpp"

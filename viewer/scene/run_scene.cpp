@@ -5,10 +5,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "kinloop/geometry/up_direction.hpp"
+#include "dense/up_direction.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "kinloop/tracking/front_end.hpp"
-#include "session/dense_recorder.hpp"
+#include "session/store/dense_recorder.hpp"
 #include "tools/evaluation/evaluate.hpp"
 
 namespace kinloop {

@@ -17,9 +17,9 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "dense/live_mesh/live_mesh.hpp"
+#include "dense/mesh/colored_mesh.hpp"
 #include "kinloop/core/ids.hpp"
-#include "kinloop/dense/live_mesh/live_mesh.hpp"
-#include "kinloop/dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {

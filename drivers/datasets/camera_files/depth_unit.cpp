@@ -7,9 +7,9 @@
 
 #include "drivers/datasets/reading/depth_image.hpp"
 #include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "drivers/images/depth_files/inflate.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 

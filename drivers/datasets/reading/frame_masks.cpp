@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 
 #include "drivers/datasets/folder_contents.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/mask_image.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 
 namespace kinloop {
 

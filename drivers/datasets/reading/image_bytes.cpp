@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 
 namespace kinloop {

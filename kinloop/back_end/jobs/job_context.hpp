@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "kinloop/back_end/options.hpp"
-#include "kinloop/loop/correct_loop.hpp"
-#include "kinloop/loop/verify_loop.hpp"
-#include "kinloop/map/frame_log.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
+#include "kinloop/loop/verification/verify_loop.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "kinloop/back_end/jobs/job_context.hpp"
-#include "kinloop/loop/join_check.hpp"
+#include "kinloop/loop/verification/join_check.hpp"
 
 namespace kinloop {
 

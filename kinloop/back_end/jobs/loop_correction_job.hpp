@@ -3,7 +3,7 @@
 // back the loops that are false.
 
 #include "kinloop/back_end/jobs/job_context.hpp"
-#include "kinloop/loop/correct_loop.hpp"
+#include "kinloop/loop/correction/correct_loop.hpp"
 
 namespace kinloop {
 

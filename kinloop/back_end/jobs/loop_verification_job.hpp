@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kinloop/back_end/jobs/job_context.hpp"
-#include "kinloop/loop/verify_loop.hpp"
+#include "kinloop/loop/verification/verify_loop.hpp"
 
 namespace kinloop {
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "kinloop/map/frame_velocities.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/map/frames/frame_velocities.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
 
 namespace kinloop {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 
 namespace kinloop {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/dense/image_store.hpp"
 #include "kinloop/io/map_file/checked_database.hpp"
 #include "kinloop/map/saved_map.hpp"
+#include "kinloop/sensor/images/encoded_images.hpp"
 
 namespace kinloop {
 

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/io/map_file/camera_values.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_file.hpp"

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/io/map_file/camera_values.hpp"
 #include "kinloop/io/map_file/feature_serialization.hpp"
 #include "kinloop/io/map_file/map_file.hpp"

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "kinloop/features/image_octaves.hpp"
+#include "kinloop/features/extraction/image_octaves.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {

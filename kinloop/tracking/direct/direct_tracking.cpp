@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "kinloop/features/extractor.hpp"
+#include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/tracking/direct/align_images.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
-#include "kinloop/tracking/motion_compensation.hpp"
+#include "kinloop/tracking/motion/motion_compensation.hpp"
 
 namespace kinloop {
 namespace {

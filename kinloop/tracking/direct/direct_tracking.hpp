@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "kinloop/features/options.hpp"
-#include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/tracking/direct/patch_search.hpp"
 #include "kinloop/tracking/options.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/tracking/direct/patch_search.hpp"
 
 namespace kinloop {

@@ -6,9 +6,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/quantile.hpp"
-#include "kinloop/features/image_octaves.hpp"
+#include "kinloop/features/extraction/image_octaves.hpp"
 #include "kinloop/geometry/pixel_grid.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,7 +10,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/sensor/frame.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
 

@@ -12,7 +12,7 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/geometry/velocity.hpp"
 #include "kinloop/sensor/frame.hpp"
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 namespace kinloop {
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/geometry/pixel_grid.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,7 +8,7 @@
 #include "kinloop/geometry/se3.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/sensor/frame.hpp"
-#include "kinloop/sensor/surface_grid.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 namespace kinloop {
 

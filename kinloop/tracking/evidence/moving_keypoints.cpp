@@ -8,7 +8,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "kinloop/core/quantile.hpp"
-#include "kinloop/sensor/surface_mask.hpp"
+#include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/map/tracked_frame.hpp"
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {

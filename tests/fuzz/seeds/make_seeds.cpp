@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "dense/files/mesh_file.hpp"
+#include "dense/files/pcd.hpp"
+#include "dense/files/ply.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/dense/depth_codec.hpp"
 #include "kinloop/io/map_file/map_file.hpp"
-#include "kinloop/io/mesh_file.hpp"
-#include "kinloop/io/point_cloud/pcd.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
+#include "kinloop/sensor/images/depth_codec.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/camera_file_samples.hpp"

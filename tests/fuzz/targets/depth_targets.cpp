@@ -4,7 +4,7 @@
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/openni2/oni_depth.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
-#include "kinloop/dense/depth_codec.hpp"
+#include "kinloop/sensor/images/depth_codec.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
-#include "kinloop/sensor/frame_source.hpp"
+#include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop::fuzz {
 

@@ -1,6 +1,6 @@
-#include "kinloop/optimize/pose_graph/g2o_file/g2o_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
+#include "tools/export/g2o/g2o_file.hpp"
 
 namespace kinloop::fuzz {
 

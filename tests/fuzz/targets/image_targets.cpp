@@ -1,7 +1,7 @@
 #include <opencv2/core.hpp>
 
+#include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "kinloop/io/map_file/byte_stream.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/io/map_file/map_tables.hpp"
 
 namespace kinloop::fuzz {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "session/run_options.hpp"
+#include "session/plan/run_options.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

@@ -1,4 +1,4 @@
-#include "kinloop/io/point_cloud/ply.hpp"
+#include "dense/files/ply.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 #include "viewer/point_files/glb_file.hpp"

@@ -1,4 +1,4 @@
-#include "apps/shared/report_file.hpp"
+#include "apps/shared/files/report_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 #include "viewer/saved_run.hpp"

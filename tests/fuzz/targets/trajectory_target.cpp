@@ -1,8 +1,8 @@
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/io/trajectory/trajectory_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 #include "tools/evaluation/evaluate.hpp"
+#include "tools/evaluation/trajectory_files/trajectory_file.hpp"
 
 namespace kinloop::fuzz {
 

@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "kinloop/place/vocabulary_file.hpp"
+#include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 #include "tests/support/vocabulary_checksum.hpp"

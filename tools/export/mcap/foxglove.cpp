@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/text/base64.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop::foxglove {
 namespace {

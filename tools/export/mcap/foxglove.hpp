@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/files/file_frame.hpp"
 #include "kinloop/geometry/camera.hpp"
-#include "kinloop/io/file_frame.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
 
 namespace kinloop::foxglove {

@@ -1,11 +1,11 @@
 #include "tools/export/mcap/frame_recording.hpp"
 
-#include "kinloop/dense/depth_codec.hpp"
-#include "kinloop/io/map_file/byte_stream.hpp"
+#include "drivers/image_files/fast_encoder.hpp"
+#include "drivers/image_files/image_file.hpp"
+#include "drivers/recording_format.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "kinloop/sensor/images/fast_encoder.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
-#include "kinloop/sensor/recording_format.hpp"
+#include "kinloop/sensor/images/depth_codec.hpp"
 #include "tools/export/mcap/ros_messages.hpp"
 
 namespace kinloop {

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/files/file_frame.hpp"
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/io/file_frame.hpp"
 
 namespace kinloop {
 

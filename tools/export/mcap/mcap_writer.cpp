@@ -6,9 +6,9 @@
 #include <libdeflate.h>
 #include <zstd.h>
 
+#include "drivers/recording_format.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/io/map_file/byte_stream.hpp"
-#include "kinloop/sensor/recording_format.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/io/map_file/byte_stream.hpp"
 
 namespace kinloop::ros_messages {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "kinloop/dense/posed_image.hpp"
+#include "dense/posed_image.hpp"
 #include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {

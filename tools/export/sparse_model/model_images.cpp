@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "kinloop/sensor/images/image_file.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 
 namespace kinloop {
@@ -30,11 +30,11 @@ Colors colors_at(const cv::Mat& bgr, const ModelImage& image) {
 Colors write_image(const std::filesystem::path& folder, const ModelImage& image, const ImageStore& store,
                    const ImageUndistorter& undistorter, bool with_depth) {
   EncodedImages encoded = store.encoded(image.stored);
-  const RgbdImages raw = decode_images(encoded, store.options());
+  const RgbdImages raw = decode_images(encoded, store.encoding());
   const bool resample = !undistorter.is_identity();
   const cv::Mat raw_pixels = resample || with_depth ? undistorter.raw_pixels(image.velocity) : cv::Mat();
   const cv::Mat color = resample ? undistorter.color(raw.color, raw_pixels) : raw.color;
-  const auto jpeg = resample ? encode_jpeg(color, store.options().jpeg_quality) : std::move(encoded.color);
+  const auto jpeg = resample ? encode_jpeg(color, store.encoding().jpeg_quality) : std::move(encoded.color);
   write_file(folder / "images" / (image.name + ".jpg"),
              {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}, Durability::kWithTheOthers);
   if (with_depth) {

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "dense/image_store.hpp"
 #include "kinloop/core/progress.hpp"
-#include "kinloop/dense/image_store.hpp"
 #include "tools/export/sparse_model/sparse_model.hpp"
 
 namespace kinloop {

@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dense/files/ply.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "kinloop/io/point_cloud/ply.hpp"
 
 namespace kinloop {
 namespace {

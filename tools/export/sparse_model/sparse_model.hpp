@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/dense/cloud/colored_cloud.hpp"
-#include "kinloop/io/file_frame.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/files/file_frame.hpp"
 #include "kinloop/map/map.hpp"
 #include "tools/export/sparse_model/image_undistorter.hpp"
 

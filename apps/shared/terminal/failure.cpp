@@ -1,0 +1,67 @@
+#include "apps/shared/terminal/failure.hpp"
+
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
+
+namespace kinloop {
+namespace {
+
+template <class Error>
+const Error* as(const std::exception& error) {
+  return dynamic_cast<const Error*>(&error);
+}
+
+bool is_out_of_memory(const std::exception& error) {
+  if (as<std::bad_alloc>(error) != nullptr) return true;
+  const auto* of_opencv = as<cv::Exception>(error);
+  return of_opencv != nullptr && of_opencv->code == cv::Error::StsNoMem;
+}
+
+std::string describe_system_error(const std::system_error& error) {
+  // Of the C++ library, for std::thread.
+  if (error.code() == std::errc::resource_unavailable_try_again) {
+    return "the system refuses to start another thread; use fewer with --threads 1, or raise the limit "
+           "(ulimit -u)";
+  }
+  if (error.code() == std::errc::too_many_files_open ||
+      error.code() == std::errc::too_many_files_open_in_system)
+    return "too many files are open; raise the limit (ulimit -n)";
+  return fmt::format("the system reports: {}", error.what());
+}
+
+/// The message for a path that the standard library could not use.
+std::string describe_path_error(const std::filesystem::filesystem_error& error) {
+  try {
+    throw_no_access(error.path1(), error.code());
+  } catch (const InputError& described) {
+    return described.what();
+  }
+}
+
+}  // namespace
+
+Failure describe_failure(const std::exception& error) {
+  if (as<UsageError>(error) != nullptr) return {ExitCode::kWrongUse, error.what(), {}};
+  if (const auto* hinted = as<InputErrorWithHint>(error))
+    return {ExitCode::kBadInput, error.what(), hinted->hint()};
+  if (as<InputError>(error) != nullptr) return {ExitCode::kBadInput, error.what(), {}};
+  if (is_out_of_memory(error)) {
+    return {ExitCode::kBadInput,
+            "out of memory; try a larger --set dense.voxel_m, smaller images or a shorter sequence",
+            {}};
+  }
+  if (const auto* of_path = as<std::filesystem::filesystem_error>(error))
+    return {ExitCode::kBadInput, describe_path_error(*of_path), {}};
+  if (const auto* of_system = as<std::system_error>(error))
+    return {ExitCode::kBadInput, describe_system_error(*of_system), {}};
+  return {ExitCode::kInternalError, fmt::format("internal error: {} (please report it)", error.what()), {}};
+}
+
+}  // namespace kinloop

@@ -1,0 +1,79 @@
+#include "kinloop/back_end/final/bridge_lost_frames.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "kinloop/core/time.hpp"
+#include "kinloop/geometry/motion_bridge.hpp"
+#include "kinloop/map/frames/frame_velocities.hpp"
+
+namespace kinloop {
+namespace {
+
+/// Of a velocity between two frames 1/30 s apart with errors of 2 mm and 1 mrad each.
+Velocity velocity_noise() {
+  return {Eigen::Vector3d::Constant(0.08), Eigen::Vector3d::Constant(0.04)};
+}
+
+/// Whether an end of a bridge may be here.
+bool is_held(const TrackedFrame& entry) {
+  return !entry.is_lost() && !entry.doubtful;
+}
+
+MovingCamera moving_camera(const FrameLog& log, size_t i, const Map& map) {
+  return {log[i].stamp_ns, world_pose(log[i], map), frame_velocity(log, i, map)};
+}
+
+/// The acceleration noise of the frames that have a pose, from the changes of their velocity.
+AccelerationNoise acceleration_noise(const FrameLog& log, size_t first, const Map& map) {
+  AccelerationNoise sum;
+  int count = 0;
+  std::optional<size_t> previous;
+  Velocity before;
+  for (size_t i = first; i < log.size(); ++i) {
+    if (!is_held(log[i]) || log[i].is_repeat()) continue;
+    const Velocity now = frame_velocity(log, i, map);
+    const double interval_s = previous ? to_seconds(log[i].stamp_ns - log[*previous].stamp_ns) : 0;
+    constexpr double kMaxInterval_s = 0.15;  // over which frame_velocity is known
+    if (interval_s > 0 && interval_s < kMaxInterval_s) {
+      sum.linear_m2_s3 += (now.linear_m_s - before.linear_m_s).squaredNorm() / (3 * interval_s);
+      sum.angular_rad2_s3 += (now.angular_rad_s - before.angular_rad_s).squaredNorm() / (3 * interval_s);
+      ++count;
+    }
+    previous = i;
+    before = now;
+  }
+  if (count == 0) return {};
+  return {sum.linear_m2_s3 / count, sum.angular_rad2_s3 / count};
+}
+
+}  // namespace
+
+FrameLog bridge_lost_frames(FrameLog log, size_t first, const Map& map) {
+  constexpr double kMaxBridge_s = 3;
+  std::optional<AccelerationNoise> noise;
+  std::optional<size_t> previous;  // the last frame that is not lost
+  for (size_t i = first; i < log.size(); ++i) {
+    if (log[i].is_lost()) continue;
+    const std::optional<size_t> start = std::exchange(previous, i);
+    if (!start || *start + 1 == i || !is_held(log[*start]) || !is_held(log[i])) continue;
+    if (!is_tracked_in(map.keyframe(log[*start].reference).component, log[i], map)) continue;
+    if (to_seconds(log[i].stamp_ns - log[*start].stamp_ns) > kMaxBridge_s) continue;
+    if (!noise) noise = acceleration_noise(log, first, map);
+    const MovingCamera before = moving_camera(log, *start, map), after = moving_camera(log, i, map);
+    const SE3 T_reference_world = map.keyframe(log[*start].reference).T_world_camera.inverse();
+    for (size_t k = *start + 1; k < i; ++k) {
+      const BridgedPose pose = bridge_motion(before, after, log[k].stamp_ns, *noise, velocity_noise());
+      TrackedFrame& entry = log[k];
+      entry.outcome = TrackingOutcome::kTracked;
+      entry.method = TrackingMethod::kBridged;
+      entry.doubtful = true;
+      entry.reference = log[*start].reference;
+      entry.T_reference_camera = T_reference_world * pose.T_world_camera;
+      entry.covariance = pose.covariance;
+    }
+  }
+  return log;
+}
+
+}  // namespace kinloop

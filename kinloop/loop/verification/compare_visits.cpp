@@ -1,0 +1,94 @@
+#include "kinloop/loop/verification/compare_visits.hpp"
+
+#include "kinloop/loop/verification/align_views.hpp"
+
+namespace kinloop {
+namespace {
+
+constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
+
+View seen_by(const KeyframeView& view) {
+  return {*view.features, view.surfaces.get()};
+}
+
+/// 2 to 3 % of the path, see drift.cpp.
+DriftBound drift_away_from_loop(double away_m) {
+  return {0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
+}
+
+/// Each view of the component of `loop.b` with the nearest one of the component of `loop.a`.
+std::vector<OverlappingViews> overlapping_views(const std::vector<KeyframeView>& all,
+                                                const LoopClosure& loop) {
+  const KeyframeView &end_a = all[loop.a.value], &end_b = all[loop.b.value];
+  const SE3 T_worlds = T_world_a_world_b(loop, end_a.T_world_camera, end_b.T_world_camera);
+  std::vector<OverlappingViews> overlapping;
+  for (const KeyframeView& b : all) {
+    if (b.component != end_b.component) continue;
+    const SE3 T_world_camera = T_worlds * b.T_world_camera;
+    const KeyframeView* a = nearest_view(
+        all, T_world_camera, [&](const KeyframeView& view) { return view.component == end_a.component; });
+    if (a == nullptr) continue;
+    const double away_m = (b.T_world_camera.translation - end_b.T_world_camera.translation).norm();
+    overlapping.push_back({*a, b, a->T_world_camera.inverse() * T_world_camera, away_m});
+  }
+  return overlapping;
+}
+
+RoomComparison compare_room(const std::vector<OverlappingViews>& overlapping, ComparedLooks& looks,
+                            const Sensor& sensor) {
+  RoomComparison comparison;
+  for (const OverlappingViews& views : overlapping) {
+    comparison.depths += compare_depths(seen_by(views.a), seen_by(views.b), views.T_a_b, sensor,
+                                        kSigma_m + kDriftPerMetre * views.away_m);
+    if (const auto look = looks.look(views, sensor)) comparison.looks.add(*look);
+  }
+  return comparison;
+}
+
+}  // namespace
+
+KeyframeView view_of(const Keyframe& keyframe) {
+  return {keyframe.id, keyframe.component, keyframe.T_world_camera, keyframe.features, keyframe.surfaces};
+}
+
+SE3 T_world_a_world_b(const LoopClosure& loop, const SE3& T_world_a, const SE3& T_world_b) {
+  return T_world_a * loop.T_a_b * T_world_b.inverse();
+}
+
+std::optional<ViewComparison> compare_aligned(const OverlappingViews& views, const Sensor& sensor) {
+  const View a = seen_by(views.a), b = seen_by(views.b);
+  const auto aligned = align_views(a, b, {views.T_a_b, drift_away_from_loop(views.away_m)}, sensor);
+  if (!aligned) return std::nullopt;
+  return ViewComparison{appearance_p_value(a, b, aligned->T_reference_camera, sensor.camera), aligned->scale};
+}
+
+std::optional<ViewComparison> ComparedLooks::look(const OverlappingViews& views, const Sensor& sensor) {
+  constexpr double kNear = 0.5;  // of the drift for which alignment allows
+  const DriftBound drift = drift_away_from_loop(views.away_m);
+  const auto is_near = [&](const SE3& T_a_b) {
+    const SE3 error = T_a_b.inverse() * views.T_a_b;
+    return error.translation.norm() < kNear * drift.translation_m &&
+           error.angle_rad() < kNear * drift.rotation_rad;
+  };
+  const auto [known, added] = looks_.try_emplace({views.a.id, views.b.id});
+  if (added || !is_near(known->second.T_a_b)) known->second = {views.T_a_b, compare_aligned(views, sensor)};
+  return known->second.comparison;
+}
+
+ComparedJoins compare_rooms(const JoinProblem& problem) {
+  ComparedJoins compared{{}, problem.looks, problem.epoch};
+  for (const auto& [loop, required_views] : problem.joins) {
+    const auto overlapping = overlapping_views(problem.views, loop);
+    compared.rooms[loop.ends()] = static_cast<int>(overlapping.size()) < required_views
+                                      ? RoomComparison{}
+                                      : compare_room(overlapping, compared.looks, problem.sensor);
+  }
+  return compared;
+}
+
+bool refutes_same_room(const RoomComparison& comparison) {
+  constexpr double kMaxViolations = 0.02;  // of all keypoints, see docs/place.md; edges of depth cause some
+  return comparison.looks.refute_same_place() || violates_free_space(comparison.depths, kMaxViolations);
+}
+
+}  // namespace kinloop

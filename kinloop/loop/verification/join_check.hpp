@@ -1,0 +1,58 @@
+#pragma once
+// Judges the joins of two visits again as their views become more. Floors of a building are furnished alike:
+// the first views hardly show a picture, and those on the next wall are others.
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "kinloop/loop/verification/compare_visits.hpp"
+
+namespace kinloop {
+
+/// Two visits, the earlier first.
+using VisitPair = std::pair<uint32_t, uint32_t>;
+
+/// Keyframes of two joined visits that show the same if the join is true.
+struct JoinedViews {
+  VisitPair visits;
+  OverlappingViews views;  ///< of the earlier visit and of the later one
+};
+
+/// What they say of each other, see `compare_aligned`.
+struct JoinedLook {
+  VisitPair visits;
+  std::optional<ViewComparison> views;
+};
+
+JoinedLook compare(const JoinedViews& joined, const Sensor& sensor);
+
+/// Collects what the keyframes of visits that loop closures have joined say of each other.
+class JoinCheck {
+ public:
+  /// Returns whether `take_views` has new keyframes to look at.
+  [[nodiscard]] bool has_views(const Map& map) const;
+
+  /// Returns each keyframe of the later visits once, with the nearest view of each visit that its own is
+  /// joined to. Keyframes more than 4 m from the loops say nothing, for drift, nor those of loaded maps, of
+  /// which it is not known what moved.
+  std::vector<JoinedViews> take_views(const Map& map);
+
+  /// Adds what they say.
+  void add(const std::vector<JoinedLook>& looks);
+
+  /// Returns the loop closures between visits that are different rooms by at least `min_views` pairs of
+  /// views, and forgets what was said of them.
+  std::vector<LoopEnds> take_refuted(const Map& map, int min_views);
+
+ private:
+  struct Join {
+    uint32_t next_keyframe = 0;  ///< the first not looked at
+    Looks looks;
+  };
+
+  std::map<VisitPair, Join> joins_;
+};
+
+}  // namespace kinloop

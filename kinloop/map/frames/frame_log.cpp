@@ -1,0 +1,178 @@
+#include "kinloop/map/frames/frame_log.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "kinloop/map/frames/pose_covariance.hpp"
+
+namespace kinloop {
+namespace {
+
+/// The images of a lost frame are gone; its features can still be matched.
+std::shared_ptr<const Frame> without_images(const Frame& frame) {
+  Frame kept;
+  kept.id = frame.id;
+  kept.stamp_ns = frame.stamp_ns;
+  kept.features = frame.features;
+  kept.surfaces = frame.surfaces;
+  return std::make_shared<const Frame>(std::move(kept));
+}
+
+std::vector<MatchMeasurement> measurements_of(const std::vector<LandmarkMatch>& matches,
+                                              const Features& features, int image_height_px) {
+  std::vector<MatchMeasurement> measurements;
+  measurements.reserve(matches.size());
+  for (const auto& [landmark, feature] : matches) {
+    MatchMeasurement measured;
+    measured.pixel = features.measured_pixels[feature];
+    measured.depth_m = features.measured_depths_m[feature];
+    measured.sigma_px = features.sigmas_px[feature];
+    measured.row = features.raw_pixels[feature].y() / static_cast<float>(image_height_px) - 0.5F;
+    if (!features.inverse_depth_gradients.empty())
+      measured.inverse_depth_gradient = features.inverse_depth_gradients[feature];
+    measurements.push_back(measured);
+  }
+  return measurements;
+}
+
+/// Calls `use` with each frame whose pose belongs to the trajectory.
+template <class Use>
+void for_frames_of_trajectory(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful,
+                              const Use& use) {
+  const uint32_t component = main_component(log, map);
+  for (const TrackedFrame& entry : log) {
+    if (!is_tracked_in(component, entry, map)) continue;
+    if (entry.doubtful && doubtful == DoubtfulPoses::kLeftOut) continue;
+    use(entry);
+  }
+}
+
+}  // namespace
+
+TrackedFrame log_entry(TrackedFrame tracked, int image_height_px) {
+  tracked.measurements = measurements_of(tracked.matches, tracked.features(), image_height_px);
+  tracked.frame = tracked.is_lost() ? without_images(*tracked.frame) : nullptr;
+  tracked.moved.release();
+  return tracked;
+}
+
+FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search) {
+  const auto relocalize = [&](TrackedFrame& entry, const auto& find) {
+    if (!entry.is_lost() || !entry.frame) return;
+    std::optional<TrackedFrame> found = find(*entry.frame);
+    if (!found) return;
+    found->frame = entry.frame;
+    found->evidence.fixed_share = entry.evidence.fixed_share;
+    found->evidence.depth_factor = entry.evidence.depth_factor;
+    // Colour alone supports it, as in the frames around, and no later frame confirms it.
+    if (entry.evidence.depth_factor == 0) found->doubtful = true;
+    entry = log_entry(std::move(*found), image_height_px);
+  };
+  const auto search_near = [&](size_t i, size_t neighbor) {
+    if (!log[neighbor].is_tracked_by_landmarks()) return;
+    relocalize(log[i], [&](const Frame& frame) { return search.nearby(frame, log[neighbor]); });
+  };
+  for (TrackedFrame& entry : log) relocalize(entry, search.anywhere);
+  for (size_t i = log.size(); i-- > 1;) search_near(i - 1, i);
+  for (size_t i = 1; i < log.size(); ++i) search_near(i, i - 1);
+  return log;
+}
+
+namespace {
+
+/// Drops the matches of landmarks that are not in this component.
+void keep_matches_of(uint32_t component, TrackedFrame& frame, const Map& map) {
+  std::vector<LandmarkMatch> matches;
+  std::vector<MatchMeasurement> measurements;
+  for (size_t i = 0; i < frame.matches.size(); ++i) {
+    const LandmarkId landmark = map.resolve_merged(frame.matches[i].landmark);
+    if (map.contains(landmark) && map.keyframe(map.landmark(landmark).anchor).component != component)
+      continue;
+    matches.push_back(frame.matches[i]);
+    if (i < frame.measurements.size()) measurements.push_back(frame.measurements[i]);
+  }
+  frame.matches = std::move(matches);
+  frame.measurements = std::move(measurements);
+}
+
+}  // namespace
+
+FrameLog with_references_of_own_visit(FrameLog log, const Map& map,
+                                      std::span<const SE3> T_world_keyframe_before) {
+  KeyframeId own;
+  for (TrackedFrame& frame : log) {
+    if (frame.is_lost()) continue;
+    if (frame.outcome == TrackingOutcome::kRelocalized) own = frame.reference;
+    if (frame.keyframe.valid()) own = frame.keyframe;
+    if (!own.valid() || !frame.reference.valid()) continue;
+    const uint32_t component = map.keyframe(own).component;
+    if (map.keyframe(frame.reference).component != component) {
+      const SE3 T_own_reference =
+          T_world_keyframe_before[own.value].inverse() * T_world_keyframe_before[frame.reference.value];
+      frame.T_reference_camera = T_own_reference * frame.T_reference_camera;
+      frame.reference = own;
+    }
+    keep_matches_of(component, frame, map);
+  }
+  return log;
+}
+
+SE3 world_pose(const TrackedFrame& entry, const Map& map) {
+  return map.keyframe(entry.reference).T_world_camera * entry.T_reference_camera;
+}
+
+uint32_t main_component(std::span<const TrackedFrame> log, const Map& map) {
+  std::vector<int> frames(map.component_count() + 1, 0);
+  for (const TrackedFrame& entry : log) {
+    if (!entry.is_lost()) ++frames[map.keyframe(entry.reference).component];
+  }
+  return static_cast<uint32_t>(std::max_element(frames.begin(), frames.end()) - frames.begin());
+}
+
+bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map) {
+  return !entry.is_lost() && map.keyframe(entry.reference).component == component;
+}
+
+Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful) {
+  Trajectory trajectory;
+  for_frames_of_trajectory(log, map, doubtful, [&](const TrackedFrame& entry) {
+    trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
+  });
+  return trajectory;
+}
+
+std::vector<std::optional<Matrix6d>> covariances_of(std::span<const TrackedFrame> log, const Map& map,
+                                                    DoubtfulPoses doubtful) {
+  std::vector<std::optional<Matrix6d>> covariances;
+  for_frames_of_trajectory(log, map, doubtful,
+                           [&](const TrackedFrame& entry) { covariances.push_back(pose_covariance(entry)); });
+  return covariances;
+}
+
+long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map) {
+  const uint32_t component = main_component(log, map);
+  return std::count_if(log.begin(), log.end(), [&](const TrackedFrame& entry) {
+    return entry.doubtful && is_tracked_in(component, entry, map);
+  });
+}
+
+std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map,
+                                   DoubtfulPoses doubtful) {
+  const long count = count_doubtful_poses(log, map);
+  if (count == 0) return {};
+  const char* poses = count == 1 ? "pose" : "poses";
+  return doubtful == DoubtfulPoses::kKept ? fmt::format("with {} doubtful {}", count, poses)
+                                          : fmt::format("{} doubtful {} left out", count, poses);
+}
+
+Trajectory keyframe_trajectory(const Map& map, uint32_t component) {
+  Trajectory trajectory;
+  for (const Keyframe& keyframe : map.keyframes()) {
+    if (keyframe.component != component) continue;
+    trajectory.push_back({keyframe.stamp_ns, keyframe.T_world_camera});
+  }
+  return trajectory;
+}
+
+}  // namespace kinloop
