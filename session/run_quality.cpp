@@ -33,19 +33,19 @@ std::vector<double> durations_s(std::span<const JudgedFrame> frames) {
 }
 
 /// Successive frames of the same trust, in seconds since the first frame of the run.
-struct Stretch {
+struct Interval {
   double from_s = 0, to_s = 0;
 };
 
 /// The time in which the frames have this trust.
 struct Share {
   double total_s = 0;
-  Stretch longest;
+  Interval longest;
 };
 
 Share share_of(FrameTrust trust, std::span<const JudgedFrame> frames, std::span<const double> durations) {
   Share share;
-  Stretch current;
+  Interval current;
   bool inside = false;
   for (size_t i = 0; i < frames.size(); ++i) {
     if (frames[i].trust != trust) {

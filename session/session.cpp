@@ -35,7 +35,7 @@ Session::Session(FrameSource& source, const SessionOptions& options, const RgbdC
       slam_(camera, without_opencv_threads(options.slam), std::move(vocabulary)),
       recorder_(camera, options.dense, options.slam.executor),
       input_(camera) {
-  slam_.add_listener(doctor_);
+  slam_.add_listener(advisor_);
   if (options.record_images) slam_.add_listener(recorder_);
 }
 

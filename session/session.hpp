@@ -107,7 +107,7 @@ class Session {
   /// Returns where the input contradicts itself, complete after `finish`.
   [[nodiscard]] const InputMonitor& input() const { return input_; }
   /// Returns what spoils the recording.
-  [[nodiscard]] const RecordingDoctor& doctor() const { return doctor_; }
+  [[nodiscard]] const RecordingAdvisor& advisor() const { return advisor_; }
   [[nodiscard]] const Slam& slam() const { return slam_; }
   [[nodiscard]] DenseRecorder& recorder() { return recorder_; }
   [[nodiscard]] const DenseRecorder& recorder() const { return recorder_; }
@@ -120,7 +120,7 @@ class Session {
   Slam slam_;
   DenseRecorder recorder_;
   InputMonitor input_;
-  RecordingDoctor doctor_;
+  RecordingAdvisor advisor_;
   std::optional<FramePipeline> pipeline_;  // from the first frame to `finish`
   Trajectory trajectory_;                  // result of `finish`
 };

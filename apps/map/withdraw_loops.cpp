@@ -57,7 +57,7 @@ void withdraw_loops(SavedMap& saved, std::span<const LoopEnds> loops, const Sens
   Map map;
   map.append(std::move(saved.map));
   const std::vector<SE3> before = map.withdraw_loops(loops, LoopReason::kByUser);
-  if (!before.empty()) saved.frames = with_references_of_own_visit(std::move(saved.frames), map, before);
+  if (!before.empty()) saved.frames = rebased_after_split(std::move(saved.frames), map, before);
   solve_again(map, sensor, options);
   saved.map = map.data();
 }

@@ -40,8 +40,8 @@ void RunLogger::on_map(const Map& map) {
     if (loops_logged_.insert(loop.ends()).second) log_loop(loop, "closed");
   }
   for (const LoopClosure& loop : map.other_loops()) {
-    const bool refuted = loop.stage != LoopStage::kProvisional;
-    if (refuted && refuted_logged_.insert(loop.ends()).second) log_loop(loop, name_of(loop.stage));
+    const bool contradicted = loop.stage != LoopStage::kProvisional;
+    if (contradicted && refuted_logged_.insert(loop.ends()).second) log_loop(loop, name_of(loop.stage));
   }
   for (; keyframes_logged_ < map.keyframes().size(); ++keyframes_logged_) {
     const Keyframe& keyframe = map.keyframes()[keyframes_logged_];

@@ -86,7 +86,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
   if (map_) outcome_.map_points = map_->cloud.size();
   if (map_) warn_of_unlikely_up(map_->up);
   outcome_.warnings = session_.input().warnings();
-  outcome_.doctor = session_.doctor();
+  outcome_.advisor = session_.advisor();
   outcome_.live_poses = frames_.live_poses(session_.slam().session_log(), session_.slam().map());
   outcome_.latencies_ms = frames_.latencies_ms();
   outcome_.ages_ms = frames_.ages_ms();

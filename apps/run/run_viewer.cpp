@@ -35,9 +35,9 @@ void handle_pause_and_save(LiveViewer& viewer, const std::function<void()>& save
   }
 }
 
-std::vector<std::string> hints_of(const RecordingDoctor& doctor) {
+std::vector<std::string> hints_of(const RecordingAdvisor& advisor) {
   std::vector<std::string> texts;
-  for (const RecordingHint hint : doctor.hints()) texts.emplace_back(text_of(hint));
+  for (const RecordingHint hint : advisor.hints()) texts.emplace_back(text_of(hint));
   return texts;
 }
 
@@ -75,11 +75,12 @@ std::unique_ptr<RunViewer> start_run_viewer(const std::string& listen, const Vie
   if (const auto up = session.recorder().given_up()) shown_info.up = up->direction;
   auto shown = std::make_unique<RunViewer>(parse_listen_address(listen), std::move(shown_info));
   session.add_listener(shown->viewer.listener());
-  shown->wait_until_resumed = [&viewer = shown->viewer, &input = session.input(), &doctor = session.doctor(),
-                               &slam = session.slam(), save_now, told = size_t{0}]() mutable {
+  shown->wait_until_resumed = [&viewer = shown->viewer, &input = session.input(),
+                               &advisor = session.advisor(), &slam = session.slam(), save_now,
+                               told = size_t{0}]() mutable {
     if (input.warnings().size() != told) show_warnings(viewer, input);
     told = input.warnings().size();
-    viewer.set_hints(hints_of(doctor));
+    viewer.set_hints(hints_of(advisor));
     viewer.set_sensor(slam.sensor_estimate());
     handle_pause_and_save(viewer, save_now);
   };

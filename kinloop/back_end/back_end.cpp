@@ -4,10 +4,10 @@
 
 namespace kinloop {
 
-BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, HasDouble has_double)
+BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, IsAliased is_aliased)
     : map_(map),
       verification_{LoopVerificationJob(options)},
-      decision_{LoopDecisionJob(options, std::move(has_double))},
+      decision_{LoopDecisionJob(options, std::move(is_aliased))},
       correction_{LoopCorrectionJob(options)},
       join_check_{JoinCheckJob(options)},
       global_ba_{GlobalBaJob(options)},
@@ -89,7 +89,7 @@ void BackEnd::take(AppliedSolution applied) {
   if (!applied.verified.empty()) take(decision_.kind.add(map_, applied.verified));
   results_.map_changed |= applied.map_changed;
   loops_corrected_ |= applied.loops_corrected;
-  if (!applied.refuted_joins.empty()) decision_.kind.refute(applied.refuted_joins);
+  if (!applied.contradicted_joins.empty()) decision_.kind.record_contradicted(applied.contradicted_joins);
   if (applied.loops_added) correction_.kind.add(applied.merges);
   if (applied.sensor) results_.sensor = std::move(applied.sensor);
   if (results_.T_world_keyframe_before.empty())

@@ -38,7 +38,7 @@ class BackEnd {
  public:
   /// Changes `map` only in `apply_due` and `apply_remaining`. `map` must outlive this object.
   /// `nominal` is the sensor of camera.yaml.
-  BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, HasDouble has_double);
+  BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, IsAliased is_aliased);
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
@@ -46,7 +46,7 @@ class BackEnd {
   void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
 
   /// Says that the camera was falsely located in the component of this keyframe: loops join it later.
-  void suspect(KeyframeId place) { decision_.kind.suspect(place); }
+  void require_more_evidence(KeyframeId place) { decision_.kind.require_more_evidence(place); }
 
   /// Records the first keyframe of a component and the last trusted pose before it, see LoopHypotheses.
   void add_beginning(KeyframeId first, const TrustedPose& before) {

@@ -130,17 +130,18 @@ LoopDecisions LoopHypotheses::finish(const Map& map) {
 
 LoopDecisions LoopHypotheses::decide(const Map& map, const ComparedJoins& compared) {
   rooms_ = compared.rooms;
-  looks_ = compared.looks;
+  appearances_ = compared.cache;
   LoopDecisions decisions = decide(map);
-  rooms_.clear();                                // later there will be more views
-  if (!decisions.accepted.empty()) looks_ = {};  // of components that are one now
+  rooms_.clear();                                      // later there will be more views
+  if (!decisions.accepted.empty()) appearances_ = {};  // of components that are one now
   return decisions;
 }
 
 JoinProblem LoopHypotheses::join_problem(const Map& map, const Sensor& sensor) const {
-  JoinProblem problem{.joins = {}, .views = {}, .looks = looks_, .sensor = sensor, .epoch = map.epoch()};
+  JoinProblem problem{
+      .joins = {}, .views = {}, .cache = appearances_, .sensor = sensor, .epoch = map.epoch()};
   for (const LoopClosure& loop : asked_)
-    problem.joins.push_back({loop, joins_suspects(loop, map) ? required_.views_of_suspect : 0});
+    problem.joins.push_back({loop, needs_more_views(loop, map) ? required_.views_if_doubted : 0});
   for (const Keyframe& keyframe : map.keyframes()) problem.views.push_back(view_of(keyframe));
   return problem;
 }
@@ -207,18 +208,18 @@ bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) co
   });
 }
 
-bool LoopHypotheses::has_double(const Map& map, KeyframeId keyframe) {
-  const auto [found, added] = doubles_.try_emplace(keyframe, false);
-  if (added) found->second = has_double_(map, keyframe);
+bool LoopHypotheses::is_aliased(const Map& map, KeyframeId keyframe) {
+  const auto [found, added] = aliased_.try_emplace(keyframe, false);
+  if (added) found->second = is_aliased_(map, keyframe);
   return found->second;
 }
 
 /// Whether too few keyframes of a group show places without doubles.
-bool LoopHypotheses::joins_by_doubles(const Group& group, const Map& map) {
+bool LoopHypotheses::joins_aliased_places(const Group& group, const Map& map) {
   std::set<KeyframeId> distinct;
   for (const size_t member : group.waiting) {
     const LoopClosure& loop = waiting_[member].verified.loop;
-    if (!has_double(map, loop.a) && !has_double(map, loop.b)) distinct.insert(loop.b);
+    if (!is_aliased(map, loop.a) && !is_aliased(map, loop.b)) distinct.insert(loop.b);
     if (static_cast<int>(distinct.size()) >= required_.keyframes) return false;
   }
   return true;
@@ -226,12 +227,12 @@ bool LoopHypotheses::joins_by_doubles(const Group& group, const Map& map) {
 
 /// Whether a loop joins a component in which the camera was falsely located, or two that a group of loops
 /// falsely joined before.
-bool LoopHypotheses::joins_suspects(const LoopClosure& loop, const Map& map) const {
+bool LoopHypotheses::needs_more_views(const LoopClosure& loop, const Map& map) const {
   const auto component = [&](KeyframeId id) { return map.keyframe(id).component; };
   const uint32_t a = component(loop.a), b = component(loop.b);
-  return std::any_of(suspected_.begin(), suspected_.end(),
+  return std::any_of(more_evidence_needed_.begin(), more_evidence_needed_.end(),
                      [&](KeyframeId place) { return component(place) == a || component(place) == b; }) ||
-         std::any_of(refuted_.begin(), refuted_.end(), [&](const LoopEnds& ends) {
+         std::any_of(contradicted_.begin(), contradicted_.end(), [&](const LoopEnds& ends) {
            const uint32_t c = component(ends.a), d = component(ends.b);
            return (c == a && d == b) || (c == b && d == a);
          });
@@ -245,7 +246,7 @@ std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge(const LoopClosure& 
   if (!alone && loop.support < required_.keyframes)
     return Verdict{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
   if (joins_components(map, loop)) return judge_join(loop, group, map);
-  if (refutes_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
+  if (contradicts_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
   return Verdict{LoopStage::kVerified, alone ? LoopReason::kFitsMap : LoopReason::kKeyframesAgree};
 }
 
@@ -253,17 +254,18 @@ std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge(const LoopClosure& 
 std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge_join(const LoopClosure& loop, const Group& group,
                                                                   const Map& map) {
   const RoomComparison* rooms = rooms_of(group);
-  if (joins_suspects(loop, map)) {
+  if (needs_more_views(loop, map)) {
     if (rooms == nullptr) return std::nullopt;
-    if (rooms->looks.views < required_.views_of_suspect)
+    if (rooms->appearance.views < required_.views_if_doubted)
       return Verdict{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
   }
-  if (joins_by_doubles(group, map)) return Verdict{LoopStage::kProvisional, LoopReason::kAmbiguous};
-  if (refutes_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
+  if (joins_aliased_places(group, map)) return Verdict{LoopStage::kProvisional, LoopReason::kAmbiguous};
+  if (contradicts_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
   if (is_out_of_reach(loop, map)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
   if (rooms == nullptr) return std::nullopt;
-  if (rooms->looks.refute_same_place()) return Verdict{LoopStage::kRejected, LoopReason::kLooksDifferent};
-  if (refutes_same_room(*rooms)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
+  if (rooms->appearance.contradicts_same_place())
+    return Verdict{LoopStage::kRejected, LoopReason::kAppearance};
+  if (contradicts_same_room(*rooms)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
   return Verdict{LoopStage::kVerified, LoopReason::kKeyframesAgree};
 }
 
@@ -287,7 +289,7 @@ LoopDecisions LoopHypotheses::decide(const Map& map) {
       accept(loop, group, verdict->reason, decisions);
     } else if (verdict->stage == LoopStage::kRejected) {
       reject(group.waiting, verdict->reason, decisions);
-      if (verdict->reason != LoopReason::kScale) refuted_.push_back(loop.ends());
+      if (verdict->reason != LoopReason::kScale) contradicted_.push_back(loop.ends());
     } else {
       waiting_[i].state = State::kProvisional;
       decisions.others.push_back(as(loop, verdict->stage, verdict->reason));

@@ -36,26 +36,26 @@ struct LoopDecisions {
 };
 
 /// Returns whether another place of the keyframe's component looks like that of the keyframe.
-using HasDouble = std::function<bool(const Map& map, KeyframeId keyframe)>;
+using IsAliased = std::function<bool(const Map& map, KeyframeId keyframe)>;
 
 /// Verified loops that wait for other keyframes.
 class LoopHypotheses {
  public:
-  explicit LoopHypotheses(HasDouble has_double) : has_double_(std::move(has_double)) {}
+  explicit LoopHypotheses(IsAliased is_aliased) : is_aliased_(std::move(is_aliased)) {}
 
   /// Adds the verified loops of one keyframe, and accepts what they complete: three keyframes that agree, or
   /// one loop that fits the map. Where places contradict each other, one must have two keyframes more. Loops
   /// whose visits differ in scale, or that join components whose surfaces contradict each other, are
   /// rejected, as those that join components although the camera cannot have moved from one to the other in
   /// time, and with a group those that contradict it. Two components are joined only after many of their
-  /// views have been compared if a group between them was refuted before. Loops between places that have
+  /// views have been compared if a group between them was contradicted before. Loops between places that have
   /// doubles do not join components: along a corridor, all keyframes agree on the wrong one of the same
   /// doors.
   LoopDecisions add(const Map& map, std::vector<LoopVerificationResult> verified);
 
   /// Returns whether decisions wait until views have been compared. That takes long, so that it is left to a
   /// job.
-  [[nodiscard]] bool await_comparison() const { return !asked_.empty(); }
+  [[nodiscard]] bool needs_comparison() const { return !asked_.empty(); }
 
   /// Returns what must be compared.
   [[nodiscard]] JoinProblem join_problem(const Map& map, const Sensor& sensor) const;
@@ -64,15 +64,15 @@ class LoopHypotheses {
   LoopDecisions decide(const Map& map, const ComparedJoins& compared);
 
   /// Keeps what was compared in a map that has moved since, for the next comparison.
-  void keep(ComparedLooks looks) { looks_ = std::move(looks); }
+  void keep(AppearanceCache compared) { appearances_ = std::move(compared); }
 
   /// Says that the camera was thought to be in the component of this keyframe, and was not: a visit joins it
   /// only after many of its views have been compared.
-  void suspect(KeyframeId place) { suspected_.push_back(place); }
+  void require_more_evidence(KeyframeId place) { more_evidence_needed_.push_back(place); }
 
   /// Says that these loops falsely joined components, with the same effect.
-  void refute(const std::vector<LoopEnds>& joins) {
-    refuted_.insert(refuted_.end(), joins.begin(), joins.end());
+  void record_contradicted(const std::vector<LoopEnds>& joins) {
+    contradicted_.insert(contradicted_.end(), joins.begin(), joins.end());
   }
 
   /// Records the first keyframe of a component and the last trusted pose before it, in another one. Loops do
@@ -99,7 +99,7 @@ class LoopHypotheses {
     TrustedPose before;
   };
   struct Requirements {
-    int keyframes, views_of_suspect;
+    int keyframes, views_if_doubted;
   };
   struct Group;
   struct Verdict;
@@ -109,9 +109,9 @@ class LoopHypotheses {
   [[nodiscard]] Group group_of(size_t index, const Map& map) const;
   [[nodiscard]] const RoomComparison* rooms_of(const Group& group) const;
   [[nodiscard]] bool is_out_of_reach(const LoopClosure& loop, const Map& map) const;
-  [[nodiscard]] bool has_double(const Map& map, KeyframeId keyframe);
-  [[nodiscard]] bool joins_by_doubles(const Group& group, const Map& map);
-  [[nodiscard]] bool joins_suspects(const LoopClosure& loop, const Map& map) const;
+  [[nodiscard]] bool is_aliased(const Map& map, KeyframeId keyframe);
+  [[nodiscard]] bool joins_aliased_places(const Group& group, const Map& map);
+  [[nodiscard]] bool needs_more_views(const LoopClosure& loop, const Map& map) const;
   [[nodiscard]] std::optional<Verdict> judge(const LoopClosure& loop, const Group& group, const Map& map);
   [[nodiscard]] std::optional<Verdict> judge_join(const LoopClosure& loop, const Group& group,
                                                   const Map& map);
@@ -120,16 +120,16 @@ class LoopHypotheses {
   void reject(const std::vector<size_t>& loops, LoopReason reason, LoopDecisions& decisions);
   LoopDecisions decide(const Map& map);
 
-  HasDouble has_double_;
-  std::vector<KeyframeId> suspected_;
+  IsAliased is_aliased_;
+  std::vector<KeyframeId> more_evidence_needed_;
   std::vector<Beginning> beginnings_;
-  std::vector<LoopEnds> refuted_;       // loops that would have joined components
-  std::map<KeyframeId, bool> doubles_;  // of the keyframes that were asked for: it takes time
+  std::vector<LoopEnds> contradicted_;  // loops that would have joined components
+  std::map<KeyframeId, bool> aliased_;  // of the keyframes that were asked for: it takes time
   std::vector<Waiting> waiting_;
   Requirements required_ = kDuringRun;
   std::vector<LoopClosure> asked_;            // to be compared, one of each group
   std::map<LoopEnds, RoomComparison> rooms_;  // of those asked before
-  ComparedLooks looks_;
+  AppearanceCache appearances_;
 };
 
 }  // namespace kinloop

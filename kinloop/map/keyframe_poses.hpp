@@ -6,7 +6,7 @@
 
 namespace kinloop {
 
-/// Returns T_world_camera of all keyframes by id, as `with_references_of_own_visit` needs those from before
+/// Returns T_world_camera of all keyframes by id, as `rebased_after_split` needs those from before
 /// components were parted.
 inline std::vector<SE3> keyframe_poses(const Map& map) {
   std::vector<SE3> T_world_keyframe;

@@ -15,8 +15,8 @@ enum class LoopStage {
   kVerified,     ///< landmarks, depth and appearance agree with the pose
   kProvisional,  ///< waits for other keyframes to agree; does not correct the map yet
   kAccepted,     ///< an edge of the map
-  kRejected,     ///< refuted before it was an edge
-  kWithdrawn,    ///< was an edge and has been refuted
+  kRejected,     ///< contradicted before it was an edge
+  kWithdrawn,    ///< was an edge and has been contradicted
 };
 
 constexpr auto option_names(LoopStage) {
@@ -39,7 +39,7 @@ enum class LoopReason {
   kAmbiguous,        ///< other keyframes, or the same, fit another place as well
   kScale,            ///< the two visits see the place in different sizes
   kDoesNotFit,       ///< odometry, the other loops or the surfaces contradict it
-  kLooksDifferent,   ///< views of the two visits that should show the same do not, or in other sizes
+  kAppearance,       ///< views of the two visits that should show the same do not, or in other sizes
   kByUser,           ///< the user has taken it back
 };
 
@@ -53,7 +53,7 @@ constexpr auto option_names(LoopReason) {
                                               {kAmbiguous, "ambiguous"},
                                               {kScale, "different scale"},
                                               {kDoesNotFit, "does not fit"},
-                                              {kLooksDifferent, "looks different"},
+                                              {kAppearance, "looks different"},
                                               {kByUser, "by the user"}});
 }
 

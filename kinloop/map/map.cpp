@@ -128,7 +128,7 @@ void Map::record_loop(const LoopClosure& loop) {
   require(contains(loop.a) && contains(loop.b), "record_loop: no such keyframe");
   require(loop.stage == LoopStage::kProvisional || loop.stage == LoopStage::kRejected ||
               loop.stage == LoopStage::kWithdrawn,
-          "record_loop: neither provisional nor refuted");
+          "record_loop: neither provisional nor contradicted");
   std::erase_if(other_loops_, [&](const LoopClosure& other) { return other.ends() == loop.ends(); });
   other_loops_.push_back(loop);
 }

@@ -147,7 +147,7 @@ class Map {
   Landmark& landmark_ref(LandmarkId id);
   void move_anchor(Landmark& landmark);
   void merge_components(const LoopClosure& loop);
-  void part_components();
+  void split_components();
   void split_landmarks(const std::vector<uint32_t>& side_of);
   void split_tracks(const LoopEnds& loop);
   void split(LandmarkId id, const std::vector<Observation>& moved);

@@ -40,14 +40,14 @@ std::vector<SE3> Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason
   if (!between_visits) return {};
   const uint32_t components = component_count_;
   std::vector<SE3> T_world_keyframe_before = keyframe_poses(*this);
-  part_components();
+  split_components();
   if (component_count_ == components) return {};
   return T_world_keyframe_before;
 }
 
 /// Gives the visits of a component that no loop closure joins any more components of their own. That of the
 /// oldest keyframe keeps the number.
-void Map::part_components() {
+void Map::split_components() {
   DisjointSets visits(component_count_);
   for (const LoopClosure& loop : loop_closures_) visits.join(keyframe(loop.a).visit, keyframe(loop.b).visit);
   std::vector<uint32_t> side_of;  // by keyframe

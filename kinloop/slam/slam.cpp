@@ -70,7 +70,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       mapper_(mapper_options(options_)),
       places_(sensor(), place_options(options_), std::move(vocabulary)),
       back_end_(map_, sensor_estimate_, back_end_options(options_),
-                [this](const Map& map, KeyframeId keyframe) { return places_.has_double(keyframe, map); }),
+                [this](const Map& map, KeyframeId keyframe) { return places_.is_aliased(keyframe, map); }),
       online_covariance_(depth_scale_sigma(camera.sensor.kind)) {}
 
 TrackedFrame Slam::track(const Frame& frame) {
@@ -232,14 +232,14 @@ void Slam::apply_results(const AppliedResults& results) {
   if (results.T_world_keyframe_before.empty()) {
     tracker_.update(map_, tracker_.reference());
   } else {
-    follow_own_part(results.T_world_keyframe_before);
+    rebase_after_split(results.T_world_keyframe_before);
   }
 }
 
 /// After components were parted: expresses the poses of frames, and that of the tracker, relative to
 /// keyframes of their own visit.
-void Slam::follow_own_part(const std::vector<SE3>& T_world_keyframe_before) {
-  log_ = with_references_of_own_visit(std::move(log_), map_, T_world_keyframe_before);
+void Slam::rebase_after_split(const std::vector<SE3>& T_world_keyframe_before) {
+  log_ = rebased_after_split(std::move(log_), map_, T_world_keyframe_before);
   tracker_.forget_trusted();  // it may be relative to a keyframe of another visit
   const KeyframeId old = tracker_.reference();
   const auto& keyframes = map_.keyframes();

@@ -43,7 +43,7 @@ struct EarlierSessions {
 
 /// Where the camera was located anew, by the look of an image or after a gap, and what the frames since then
 /// say of it.
-struct LocatedPlace {
+struct RelocalizationTrial {
   size_t begin = 0;  ///< of these frames in the log
   int64_t begin_ns = 0;
   KeyframeId end;  ///< the first keyframe made since then
@@ -52,10 +52,10 @@ struct LocatedPlace {
   int64_t looked_ns = 0;  ///< when the look of a frame was added last
 };
 
-/// A place that was refuted.
-struct RefutedPlace {
+/// A place that was contradicted.
+struct RelocalizationCooldown {
   uint32_t component = 0;
-  int64_t refuted_ns = 0;
+  int64_t contradicted_ns = 0;
 };
 
 class Slam {
@@ -160,14 +160,14 @@ class Slam {
   [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame) const;
   [[nodiscard]] bool is_located_anew(const TrackedFrame& tracked) const;
   void check_location(TrackedFrame& tracked);
-  void examine(const TrackedFrame& tracked, LocatedPlace& place) const;
+  void examine(const TrackedFrame& tracked, RelocalizationTrial& place) const;
   void take_back_location(TrackedFrame& tracked);
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
   void doubt_frames_since(int64_t since_ns, bool withdrawn);
   void apply_due_results(FrameId now);
   void apply_results(const AppliedResults& results);
-  void follow_own_part(const std::vector<SE3>& T_world_keyframe_before);
+  void rebase_after_split(const std::vector<SE3>& T_world_keyframe_before);
   void apply_sensor_estimate(const AppliedSensor& applied);
   [[nodiscard]] TrackedFrame with_keyframe(TrackedFrame tracked);
   [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
@@ -208,8 +208,8 @@ class Slam {
   OnlineCovariance online_covariance_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;
-  std::optional<LocatedPlace> located_;
-  std::optional<RefutedPlace> refuted_;
+  std::optional<RelocalizationTrial> located_;
+  std::optional<RelocalizationCooldown> cooldown_;
   std::optional<TrackedFrame> unmapped_;  // the latest frame, until `update_map`
   std::optional<uint32_t> visit_;         // in which the camera is; none before the first pose
   bool map_changed_ = false;              // since the last notification of the listeners

@@ -17,7 +17,7 @@ std::optional<size_t> Slam::contradicted_since() const {
   if (log_.back().stamp_ns - *since_ns < kMinDoubt_ns) return std::nullopt;
   size_t first_in_doubt = log_.size() - 1;
   while (first_in_doubt > earlier_.frame_count && log_[first_in_doubt].stamp_ns > *since_ns) --first_in_doubt;
-  return begin_of_contradiction(log_, earlier_.frame_count, first_in_doubt);
+  return contradiction_start(log_, earlier_.frame_count, first_in_doubt);
 }
 
 /// Withdraws the keyframes made since then. Tracking goes on with the map as it was.

@@ -1,6 +1,6 @@
 // A camera that was located by the look of an image, or after a gap, may be in another place that looks
 // alike. The next frames confirm where it is; until then its poses are in doubt and no keyframe is made. They
-// go on to check it, and what was made of a place that they refute is taken back.
+// go on to check it, and what was made of a place that they contradict is taken back.
 
 #include <algorithm>
 #include <utility>
@@ -15,13 +15,14 @@ namespace {
 
 constexpr int64_t kChecked_ns = 20 * kNsPerSecond;  // how long a place is checked after it was recognized
 constexpr int64_t kSettled_ns = 5 * kNsPerSecond;   // when it is not taken back any more because of the next
-constexpr int64_t kRefused_ns = 2 * kNsPerSecond, kSuspected_ns = 60 * kNsPerSecond;  // after it was refuted
+constexpr int64_t kRefused_ns = 2 * kNsPerSecond,
+                  kSuspected_ns = 60 * kNsPerSecond;  // after it was contradicted
 
-/// Whether a part of the map was refuted no longer ago than this.
-bool was_refuted(const std::optional<RefutedPlace>& refuted, uint32_t component, int64_t now_ns,
-                 int64_t duration_ns) {
-  return refuted && refuted->component == component && now_ns >= refuted->refuted_ns &&
-         now_ns - refuted->refuted_ns < duration_ns;
+/// Whether a part of the map was contradicted no longer ago than this.
+bool is_cooling_down(const std::optional<RelocalizationCooldown>& cooldown, uint32_t component,
+                     int64_t now_ns, int64_t duration_ns) {
+  return cooldown && cooldown->component == component && now_ns >= cooldown->contradicted_ns &&
+         now_ns - cooldown->contradicted_ns < duration_ns;
 }
 
 /// Whether the keypoints of a frame say what its place looks like.
@@ -38,17 +39,17 @@ bool is_at_rest(const TrackedFrame& tracked) {
 }
 
 /// Whether a place has been checked for long enough; never before it is confirmed.
-bool is_done(const LocatedPlace& place, int64_t now_ns) {
+bool is_done(const RelocalizationTrial& place, int64_t now_ns) {
   return place.check.is_confirmed() && now_ns - place.begin_ns > kChecked_ns;
 }
 
 /// Remembers when the camera was located anew. What it is compared with is the map from before it was lost
 /// for the first time: later keyframes may be of another place.
-void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
+void restart_trial(std::optional<RelocalizationTrial>& place, const RelocalizationTrial& now) {
   if (!place) {
     place = now;
   } else if (place->check.is_confirmed() && now.begin_ns - place->begin_ns > kSettled_ns) {
-    place = LocatedPlace{now.begin, now.begin_ns, place->end, now.component};
+    place = RelocalizationTrial{now.begin, now.begin_ns, place->end, now.component};
   } else {
     place->check = {};
     place->begin_ns = now.begin_ns;
@@ -57,14 +58,14 @@ void begin_anew(std::optional<LocatedPlace>& place, const LocatedPlace& now) {
 
 }  // namespace
 
-/// Recognizes a place, but not at once in the part of the map that has just been refuted: the frames would
-/// have to refute it again. Later, one frame is not enough there.
+/// Recognizes a place, but not at once in the part of the map that has just been contradicted: the frames
+/// would have to contradict it again. Later, one frame is not enough there.
 std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
   auto found = places_.relocalize(frame, map_);
   if (!found) return std::nullopt;
   const uint32_t component = map_.keyframe(found->reference).component;
-  if (was_refuted(refuted_, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
-  found->doubtful = was_refuted(refuted_, component, frame.stamp_ns, kSuspected_ns);
+  if (is_cooling_down(cooldown_, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
+  found->doubtful = is_cooling_down(cooldown_, component, frame.stamp_ns, kSuspected_ns);
   return found;
 }
 
@@ -82,7 +83,7 @@ bool Slam::is_located_anew(const TrackedFrame& tracked) const {
 
 /// Adds what a frame says of its place. Once that is confirmed, surfaces in front of it have probably moved
 /// there, unless few landmarks agree.
-void Slam::examine(const TrackedFrame& tracked, LocatedPlace& place) const {
+void Slam::examine(const TrackedFrame& tracked, RelocalizationTrial& place) const {
   constexpr int64_t kBetweenLooks_ns = 3 * kNsPerSecond / 10;
   if (!shows_place(tracked)) return;
   const bool confirmed = place.check.is_confirmed();
@@ -94,25 +95,25 @@ void Slam::examine(const TrackedFrame& tracked, LocatedPlace& place) const {
   const LocationEvidence evidence = places_.examine(tracked, map_, place.end);
   if (as_before) place.check.add(evidence, confident);
   if (!look) return;
-  place.check.add_look(evidence.appearance_p_value);
+  place.check.add_appearance(evidence.appearance_p_value);
   place.looked_ns = tracked.stamp_ns;
 }
 
 /// Checks the place of a frame in the map. The frame becomes provisional if it is not confirmed yet, and lost
-/// if it is refuted.
+/// if it is contradicted.
 void Slam::check_location(TrackedFrame& tracked) {
   if (!tracked.is_located()) return;
   const uint32_t component = map_.keyframe(tracked.reference).component;
   if (located_ && (located_->component != component || is_done(*located_, tracked.stamp_ns)))
     located_.reset();
   const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
-  if (is_located_anew(tracked)) begin_anew(located_, {log_.size(), tracked.stamp_ns, end, component});
+  if (is_located_anew(tracked)) restart_trial(located_, {log_.size(), tracked.stamp_ns, end, component});
   if (!located_) return;
   examine(tracked, *located_);
   const LocationCheck& check = located_->check;
-  if (check.is_refuted()) return take_back_location(tracked);
+  if (check.is_contradicted()) return take_back_location(tracked);
   // Where the camera was said to be before, and was not, it has to be seen for longer.
-  const bool too_early = was_refuted(refuted_, component, tracked.stamp_ns, kSuspected_ns) &&
+  const bool too_early = is_cooling_down(cooldown_, component, tracked.stamp_ns, kSuspected_ns) &&
                          tracked.stamp_ns - located_->begin_ns < kRefused_ns;
   if (!check.is_confirmed() || too_early) tracked.provisional = tracked.doubtful = true;
 }
@@ -120,9 +121,9 @@ void Slam::check_location(TrackedFrame& tracked) {
 /// Makes the frames since the camera was located lost and withdraws their keyframes. The camera has to be
 /// found anew, or is in a part of the world that is not mapped.
 void Slam::take_back_location(TrackedFrame& tracked) {
-  const LocatedPlace place = *std::exchange(located_, std::nullopt);
-  refuted_ = RefutedPlace{place.component, tracked.stamp_ns};
-  back_end_.suspect(tracked.reference);
+  const RelocalizationTrial place = *std::exchange(located_, std::nullopt);
+  cooldown_ = RelocalizationCooldown{place.component, tracked.stamp_ns};
+  back_end_.require_more_evidence(tracked.reference);
   if (place.begin < log_.size() && withdraw_keyframes(place.begin, place.component, map_, log_))
     map_changed_ = true;
   const auto lose = [](TrackedFrame& frame) {

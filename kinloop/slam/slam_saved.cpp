@@ -45,9 +45,9 @@ uint32_t Slam::add_map(SavedMap saved) {
   return shift;
 }
 
-/// Looks for the places of the keyframes from `first` on in those before, and if that does not join them, for
-/// the places of those before in the new ones, and for support of what was found: where one recording ends,
-/// the next may begin.
+/// Looks for the places of the keyframes from `first` on in those before, and if that does not join
+/// them, for the places of those before in the new ones, and for support of what was found: where one
+/// recording ends, the next may begin.
 void Slam::join_components(uint32_t first) {
   const auto count = static_cast<uint32_t>(map_.keyframes().size());
   const auto search = [this](uint32_t begin, uint32_t end) {

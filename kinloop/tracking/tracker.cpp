@@ -55,13 +55,13 @@ void keep_since(std::optional<int64_t>& since_ns, bool holds, int64_t now_ns) {
 }
 
 /// Whether few landmarks support a pose, such that it may follow what moves.
-bool is_few(const TrackedFrame& tracked) {
+bool has_few_inliers(const TrackedFrame& tracked) {
   return tracked.evidence.inliers < kMinConfirmed;
 }
 
 /// Whether hardly any of the landmarks in view are found although all keypoints were extracted. Those that
 /// are may be on something that moves.
-bool misses_most(const TrackedFrame& tracked, const Features& features) {
+bool has_low_recall(const TrackedFrame& tracked, const Features& features) {
   // At least 9 % are found in redkitchen and in the rooms of seeds 101 to 104, where two people walk.
   constexpr double kMinFound = 0.08;
   return tracked.method == TrackingMethod::kKeypoints &&
@@ -302,7 +302,7 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   rematched.evidence.fixed_share = tracked.evidence.fixed_share;
   rematched.evidence.depth_factor = tracked.evidence.depth_factor;
   rematched.moved = tracked.moved;
-  rematched.doubtful = tracked.doubtful || misses_most(rematched, *frame.features);
+  rematched.doubtful = tracked.doubtful || has_low_recall(rematched, *frame.features);
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
   return rematched;
 }
@@ -331,7 +331,7 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
     find_moved(tracked, measured);
     const bool doubtful_before = previous_ && lost_frames_ == 0 && previous_->doubtful;
-    tracked.doubtful = is_doubtful(tracked, doubtful_before) || misses_most(tracked, *measured.features) ||
+    tracked.doubtful = is_doubtful(tracked, doubtful_before) || has_low_recall(tracked, *measured.features) ||
                        remains_weak(tracked);
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
@@ -371,18 +371,18 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
 
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
 bool Tracker::follows_weak_pose() const {
-  return previous_ && lost_frames_ == 0 && previous_->doubtful && is_few(*previous_);
+  return previous_ && lost_frames_ == 0 && previous_->doubtful && has_few_inliers(*previous_);
 }
 
 /// Whether few landmarks support a pose that follows such a one.
 bool Tracker::remains_weak(const TrackedFrame& tracked) const {
-  return is_few(tracked) && follows_weak_pose();
+  return has_few_inliers(tracked) && follows_weak_pose();
 }
 
 /// Whether the motion from the previous frame is known.
 bool Tracker::follows_previous(const TrackedFrame& tracked) const {
   return tracked.outcome == TrackingOutcome::kTracked && previous_ && lost_frames_ == 0 &&
-         !previous_was_wrong_ && !follows_weak_pose();
+         !depth_was_frozen_ && !follows_weak_pose();
 }
 
 /// Returns the velocity since the previous frame; zero if it is unknown.
@@ -462,7 +462,7 @@ void Tracker::set_first_velocity(const Velocity& velocity, int64_t interval_ns, 
 
 void Tracker::forget_motion() {
   motion_.reset();
-  previous_was_wrong_ = true;
+  depth_was_frozen_ = true;
 }
 
 void Tracker::reset() {
@@ -474,7 +474,7 @@ void Tracker::reset() {
   lost_frames_ = 0;
   hypothesis_since_ns_.reset();
   doubtful_since_ns_.reset();
-  previous_was_wrong_ = lacks_scale_ = false;
+  depth_was_frozen_ = lacks_scale_ = false;
   moved_ns_.reset();
 }
 
@@ -510,7 +510,7 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
-  previous_was_wrong_ = false;
+  depth_was_frozen_ = false;
   // Not by keypoints alone, which also seem to move at the edge of a mask.
   if (latest.evidence.moved_share > 0) moved_ns_ = latest.stamp_ns;
   if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere

@@ -145,7 +145,7 @@ class Tracker {
   /// Since when the camera is thought to be where it was relocalized, without confirmation.
   std::optional<int64_t> hypothesis_since_ns_;
   std::optional<int64_t> doubtful_since_ns_;  // are the poses, but for lost frames
-  bool previous_was_wrong_ = false;           // see `forget_motion`
+  bool depth_was_frozen_ = false;             // see `forget_motion`
   bool lacks_scale_ = false;                  // the previous pose, see `lacks_scale`
 };
 

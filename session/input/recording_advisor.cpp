@@ -164,7 +164,7 @@ RecordingHints advice(const RecordingSigns& signs, const RecordingHints& active)
   return hints;
 }
 
-void RecordingDoctor::observe(int64_t stamp_ns, const RecordingSigns& signs) {
+void RecordingAdvisor::observe(int64_t stamp_ns, const RecordingSigns& signs) {
   if (begun_) {
     const double passed_s = std::clamp(to_seconds(stamp_ns - stamp_ns_), 0.0, 1.0);
     for (size_t i = 0; i < kRecordingHints; ++i) seconds_[i] += active_.test(i) ? passed_s : 0;
@@ -183,7 +183,7 @@ void RecordingDoctor::observe(int64_t stamp_ns, const RecordingSigns& signs) {
   begun_ = true;
 }
 
-std::vector<RecordingHint> RecordingDoctor::hints() const {
+std::vector<RecordingHint> RecordingAdvisor::hints() const {
   constexpr size_t kMost = 3;
   std::vector<RecordingHint> hints;
   for (size_t i = 0; i < kRecordingHints && hints.size() < kMost; ++i)

@@ -45,7 +45,7 @@ RecordingHints advice(const RecordingSigns& signs, const RecordingHints& active)
 
 /// Follows a run. A hint begins when its signs have lasted half a second, a fifth for fast motion, since
 /// swings are short, at once if the pose is in doubt; and ends when they have been away for two seconds.
-class RecordingDoctor : public Listener {
+class RecordingAdvisor : public Listener {
  public:
   void on_frame(const TrackedFrame& tracked) override { observe(tracked.stamp_ns, signs_of(tracked)); }
   void on_map(const Map&) override {}

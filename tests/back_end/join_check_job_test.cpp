@@ -45,12 +45,12 @@ TEST_F(JoinCheckJobTest, PartsFloorsWhosePicturesDiffer) {
   const AppliedSolution parted = job_.finish(visits_.map);
   EXPECT_TRUE(parted.map_changed);
   EXPECT_TRUE(parted.loops_corrected) << "the visits are adjusted without the join";
-  EXPECT_THAT(parted.refuted_joins, testing::ElementsAre(visits_.loop));
+  EXPECT_THAT(parted.contradicted_joins, testing::ElementsAre(visits_.loop));
   EXPECT_THAT(parted.T_world_keyframe_before, testing::SizeIs(visits_.map.keyframes().size()));
   EXPECT_GT(visits_.map.epoch(), epoch) << "work in flight is stale";
   EXPECT_THAT(visits_.map.loop_closures(), testing::IsEmpty());
   ASSERT_THAT(visits_.map.other_loops(), testing::SizeIs(1));
-  EXPECT_EQ(visits_.map.other_loops()[0].reason, LoopReason::kLooksDifferent);
+  EXPECT_EQ(visits_.map.other_loops()[0].reason, LoopReason::kAppearance);
   EXPECT_NE(component(0), component(test::JoinedVisits::kPerVisit));
   visits_.map.check_invariants();
 }

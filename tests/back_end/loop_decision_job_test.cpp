@@ -75,7 +75,7 @@ TEST_F(LoopDecision, RejectsALoopToAnotherFloor) {
   EXPECT_FALSE(decided->map_changed);
   EXPECT_THAT(map_.loop_closures(), IsEmpty());
   EXPECT_THAT(map_.other_loops(), SizeIs(3));
-  EXPECT_THAT(map_.other_loops(), Each(Field(&LoopClosure::reason, LoopReason::kLooksDifferent)));
+  EXPECT_THAT(map_.other_loops(), Each(Field(&LoopClosure::reason, LoopReason::kAppearance)));
   EXPECT_FALSE(job_.is_due(context_));
 }
 

@@ -138,21 +138,21 @@ TEST_F(Doubt, OfNoFramesIsNone) {
 
 TEST_F(Doubt, FindsWhereTheSurfacesBeganToContradict) {
   contradict(60, 100);
-  const auto begin = begin_of_contradiction(log_, 0, 99);
+  const auto begin = contradiction_start(log_, 0, 99);
   ASSERT_TRUE(begin);
   EXPECT_NEAR(static_cast<double>(*begin), 60, 5);
-  EXPECT_EQ(begin_of_contradiction(log_, 0, 30), std::nullopt);
-  EXPECT_EQ(begin_of_contradiction(log_, 80, 99), 80);
+  EXPECT_EQ(contradiction_start(log_, 0, 30), std::nullopt);
+  EXPECT_EQ(contradiction_start(log_, 80, 99), 80);
 }
 
 TEST_F(Doubt, LooksTwoSecondsBackForTheBeginOfAContradiction) {
   contradict(0, 180);
-  EXPECT_EQ(begin_of_contradiction(log_, 0, 150), 90);
+  EXPECT_EQ(contradiction_start(log_, 0, 150), 90);
 }
 
 TEST_F(Doubt, DoesNotTakeWhatIsKnownToHaveMovedForAContradiction) {
   for (size_t i = 60; i < 100; ++i) log_[i].evidence.moved_share = 0.5;
-  EXPECT_EQ(begin_of_contradiction(log_, 0, 99), std::nullopt);
+  EXPECT_EQ(contradiction_start(log_, 0, 99), std::nullopt);
 }
 
 }  // namespace

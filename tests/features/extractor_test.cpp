@@ -318,12 +318,12 @@ TEST(SampleKeypoint, PredictsASlantedPlaneInTheUndistortedImageOfAFisheye) {
         const double predicted = sample.inverse_depth_gradient.cast<double>().dot(neighbor - pixel);
         EXPECT_NEAR(predicted, change, 0.02 * std::abs(change) + 2e-5) << degrees << " " << step.transpose();
       }
-      Eigen::Matrix2d stretch;
+      Eigen::Matrix2d interval;
       for (int axis = 0; axis < 2; ++axis) {
         const Eigen::Vector2d half = 0.5 * Eigen::Vector2d::Unit(axis);
-        stretch.col(axis) = camera.undistort(raw + half) - camera.undistort(raw - half);
+        interval.col(axis) = camera.undistort(raw + half) - camera.undistort(raw - half);
       }
-      const double expected = static_cast<double>(kRawSigma_px) * std::sqrt(std::abs(stretch.determinant()));
+      const double expected = static_cast<double>(kRawSigma_px) * std::sqrt(std::abs(interval.determinant()));
       EXPECT_NEAR(static_cast<double>(sample.sigma_px), expected, 0.01 * expected);
       ++checked;
     }

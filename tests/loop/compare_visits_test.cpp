@@ -33,7 +33,7 @@ class TwoVisits : public testing::Test {
   [[nodiscard]] JoinProblem problem(const SE3& T_a_b = {}, int required_views = 0) const {
     JoinProblem problem{.joins = {{{KeyframeId{0}, KeyframeId{6}, T_a_b}, required_views}},
                         .views = {},
-                        .looks = {},
+                        .cache = {},
                         .sensor = sensor_};
     for (const Keyframe& keyframe : map_.keyframes()) problem.views.push_back(view_of(keyframe));
     return problem;
@@ -48,28 +48,28 @@ TEST_F(TwoVisits, OfOneRoomAgree) {
   const RoomComparison same = compare();
   EXPECT_EQ(same.depths.free_space_violations, 0);
   EXPECT_GT(same.depths.consistent, 5000);
-  EXPECT_EQ(same.looks.views, 6);
-  EXPECT_EQ(same.looks.different_views, 0);
-  EXPECT_FALSE(refutes_same_room(same));
+  EXPECT_EQ(same.appearance.views, 6);
+  EXPECT_EQ(same.appearance.different_views, 0);
+  EXPECT_FALSE(contradicts_same_room(same));
 }
 
 TEST_F(TwoVisits, OfAnotherFloorWithOtherPicturesLookDifferent) {
   visit(2), visit(2, 2);
   const RoomComparison floors = compare();
   EXPECT_EQ(floors.depths.free_space_violations, 0);
-  EXPECT_EQ(floors.looks.different_views, 2);
-  EXPECT_TRUE(refutes_same_room(floors));
+  EXPECT_EQ(floors.appearance.different_views, 2);
+  EXPECT_TRUE(contradicts_same_room(floors));
 }
 
 TEST_F(TwoVisits, WhereOnePictureWasReplacedAreOfOneRoom) {
   visit(2), visit(2, 1);
-  EXPECT_EQ(compare().looks.different_views, 1);
-  EXPECT_FALSE(refutes_same_room(compare()));
+  EXPECT_EQ(compare().appearance.different_views, 1);
+  EXPECT_FALSE(contradicts_same_room(compare()));
 }
 
 TEST_F(TwoVisits, OfASmallerRoomSeeThroughItsWalls) {
   visit(2), visit(1.7);
-  EXPECT_TRUE(refutes_same_room(compare()));
+  EXPECT_TRUE(contradicts_same_room(compare()));
 }
 
 TEST_F(TwoVisits, ViewsThatDoNotOverlapSayNothing) {
@@ -83,8 +83,8 @@ TEST_F(TwoVisits, ViewsThatDoNotOverlapSayNothing) {
   const SE3 T_far = test::camera_at(3, {30, 0, 0});
   const RoomComparison none = compare(T_far);
   EXPECT_EQ(none.depths.consistent + none.depths.free_space_violations, 0);
-  EXPECT_EQ(none.looks.views, 0);
-  EXPECT_FALSE(refutes_same_room(none));
+  EXPECT_EQ(none.appearance.views, 0);
+  EXPECT_FALSE(contradicts_same_room(none));
 }
 
 TEST_F(TwoVisits, DriftExplainsMoreFartherFromTheLoop) {
@@ -101,22 +101,24 @@ TEST_F(TwoVisits, DriftExplainsMoreFartherFromTheLoop) {
 
 TEST_F(TwoVisits, AreNotComparedIfTooFewViewsOverlap) {
   visit(2), visit(2);
-  EXPECT_EQ(compare({}, 6).looks.views, 6);
-  EXPECT_EQ(compare({}, 7).looks.views, 0);
+  EXPECT_EQ(compare({}, 6).appearance.views, 6);
+  EXPECT_EQ(compare({}, 7).appearance.views, 0);
 }
 
 TEST_F(TwoVisits, ArePairsOfViewsThatAreComparedOnce) {
   visit(2), visit(2);
   const LoopEnds ends{KeyframeId{0}, KeyframeId{6}};
   JoinProblem repainted = problem();
-  repainted.looks = compare_rooms(repainted).looks;
+  repainted.cache = compare_rooms(repainted).cache;
   for (KeyframeView& view : repainted.views) {
     if (view.component == 0) continue;
     Features features = *view.features;
     test::repaint(features);
     view.features = std::make_shared<const Features>(std::move(features));
   }
-  const auto different_views = [&] { return compare_rooms(repainted).rooms.at(ends).looks.different_views; };
+  const auto different_views = [&] {
+    return compare_rooms(repainted).rooms.at(ends).appearance.different_views;
+  };
   EXPECT_EQ(different_views(), 0) << "as it was known";
   repainted.joins[0].loop.T_a_b.translation.x() = 0.02;
   EXPECT_EQ(different_views(), 0) << "alignment leads to the same pose";

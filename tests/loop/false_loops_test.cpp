@@ -97,7 +97,7 @@ class FalseLoops : public testing::Test {
 
   Random random_{5};
   Map map_;
-  UnbentOdometry odometry_;
+  OdometryBeforeLoops odometry_;
 };
 
 TEST_F(FalseLoops, TrueLoopsAreKept) {

@@ -70,7 +70,7 @@ class Hypotheses : public testing::Test {
   }
   /// The decisions, with those that wait for comparisons.
   LoopDecisions compare(LoopHypotheses& hypotheses, LoopDecisions decisions) const {
-    while (hypotheses.await_comparison()) {
+    while (hypotheses.needs_comparison()) {
       const LoopDecisions later =
           hypotheses.decide(map_, compare_rooms(hypotheses.join_problem(map_, sensor_)));
       decisions.accepted.insert(decisions.accepted.end(), later.accepted.begin(), later.accepted.end());
@@ -79,12 +79,12 @@ class Hypotheses : public testing::Test {
     return decisions;
   }
   LoopHypotheses no_loops() {
-    return LoopHypotheses([this](const Map& /*map*/, KeyframeId id) { return doubles_.contains(id); });
+    return LoopHypotheses([this](const Map& /*map*/, KeyframeId id) { return aliased_.contains(id); });
   }
   LoopDecisions finish() { return compare(hypotheses_, hypotheses_.finish(map_)); }
 
   Map map_;
-  std::set<KeyframeId> doubles_;  // keyframes whose place has one
+  std::set<KeyframeId> aliased_;  // keyframes whose place has one
   LoopHypotheses hypotheses_ = no_loops();
   const Sensor sensor_{PinholeCamera{640, 480, 525, 525, 319.5, 239.5, {}}};
 };
@@ -171,9 +171,9 @@ TEST_F(Hypotheses, VisitsOfAnotherScaleAreRejected) {
     return result;
   };
   for (const uint32_t i : {2U, 3U}) add({scaled(i, 0.01)});
-  const LoopDecisions refuted = add({scaled(4, 0.01)});
-  EXPECT_THAT(refuted.accepted, IsEmpty());
-  EXPECT_THAT(reasons(refuted.others),
+  const LoopDecisions contradicted = add({scaled(4, 0.01)});
+  EXPECT_THAT(contradicted.accepted, IsEmpty());
+  EXPECT_THAT(reasons(contradicted.others),
               ElementsAre(LoopReason::kScale, LoopReason::kScale, LoopReason::kScale));
   // The same from measurements that cannot tell.
   for (const uint32_t i : {5U, 6U}) add({scaled(i, 0.1)});
@@ -218,7 +218,7 @@ TEST_F(Hypotheses, OneLoopIsEnoughWhereTheMapPredictsIt) {
 }
 
 TEST_F(Hypotheses, PlacesThatHaveDoublesDoNotJoinVisits) {
-  doubles_ = {first(2), first(3), second(4)};  // of either visit
+  aliased_ = {first(2), first(3), second(4)};  // of either visit
   for (const uint32_t i : {2U, 3U, 4U}) add({loop(i, i)});
   for (const uint32_t i : {5U, 6U}) {
     const LoopDecisions waits = add({loop(i, i)});
@@ -229,7 +229,7 @@ TEST_F(Hypotheses, PlacesThatHaveDoublesDoNotJoinVisits) {
 }
 
 TEST_F(Hypotheses, WithinAVisitPlacesMayHaveDoubles) {
-  doubles_ = {first(0), first(kPerVisit - 1)};
+  aliased_ = {first(0), first(kPerVisit - 1)};
   LoopClosure closure = loop(0, 0).loop;
   closure.a = first(0), closure.b = first(kPerVisit - 1);
   closure.T_a_b = place(0).inverse() * place(kPerVisit - 1);
@@ -264,7 +264,7 @@ TEST_F(Hypotheses, WhereAGroupWasRefutedTheNextWaitsForMoreViews) {
 }
 
 TEST_F(Hypotheses, WhereAJoinWasTakenBackTheNextWaitsForMoreViews) {
-  hypotheses_.refute({{first(0), second(0)}});
+  hypotheses_.record_contradicted({{first(0), second(0)}});
   for (const uint32_t i : {2U, 3U, 4U}) {
     const LoopDecisions waits = add({loop(i, i)});
     EXPECT_THAT(waits.accepted, IsEmpty()) << i;

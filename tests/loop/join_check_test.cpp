@@ -15,16 +15,16 @@ using testing::SizeIs;
 class Join : public testing::Test {
  protected:
   /// Compares the views that are new.
-  std::vector<JoinedLook> look() {
-    std::vector<JoinedLook> looks;
+  std::vector<ViewPairResult> look() {
+    std::vector<ViewPairResult> results;
     for (const JoinedViews& views : joins_.take_views(visits_.map))
-      looks.push_back(compare(views, visits_.sensor));
-    return looks;
+      results.push_back(compare(views, visits_.sensor));
+    return results;
   }
 
-  std::vector<LoopEnds> find_refuted(int min_views = 4) {
+  std::vector<LoopEnds> find_contradicted(int min_views = 4) {
     joins_.add(look());
-    return joins_.take_refuted(visits_.map, min_views);
+    return joins_.take_contradicted(visits_.map, min_views);
   }
 
   test::JoinedVisits visits_;
@@ -34,16 +34,16 @@ class Join : public testing::Test {
 TEST_F(Join, OfOneRoomStays) {
   visits_.revisit(0, 6, false);
   EXPECT_THAT(look(), SizeIs(6));
-  EXPECT_THAT(find_refuted(), IsEmpty());
+  EXPECT_THAT(find_contradicted(), IsEmpty());
 }
 
 TEST_F(Join, IsRefutedByViewsThatComeLater) {
   visits_.revisit(0, 4, false);
-  EXPECT_THAT(find_refuted(), IsEmpty());
+  EXPECT_THAT(find_contradicted(), IsEmpty());
   visits_.revisit(4, true);
-  EXPECT_THAT(find_refuted(), IsEmpty()) << "one of five";
+  EXPECT_THAT(find_contradicted(), IsEmpty()) << "one of five";
   visits_.revisit(5, true);
-  EXPECT_THAT(find_refuted(), ElementsAre(visits_.loop));
+  EXPECT_THAT(find_contradicted(), ElementsAre(visits_.loop));
 }
 
 TEST_F(Join, ComparesEachKeyframeOnce) {
@@ -57,8 +57,8 @@ TEST_F(Join, ComparesEachKeyframeOnce) {
 
 TEST_F(Join, IsNotJudgedByTooFewViews) {
   visits_.revisit(0, 6, true);
-  EXPECT_THAT(find_refuted(7), IsEmpty());
-  EXPECT_THAT(find_refuted(6), SizeIs(1));
+  EXPECT_THAT(find_contradicted(7), IsEmpty());
+  EXPECT_THAT(find_contradicted(6), SizeIs(1));
 }
 
 TEST_F(Join, ViewsFarFromTheLoopHaveNoSay) {
@@ -81,11 +81,11 @@ TEST_F(Join, KeyframesOfLoadedMapsHaveNoSay) {
 
 TEST_F(Join, BeginsAnewOnceItsLoopsAreWithdrawn) {
   visits_.revisit(0, 6, true);
-  const auto refuted = find_refuted();
-  ASSERT_THAT(refuted, SizeIs(1));
-  visits_.map.withdraw_loops(refuted, LoopReason::kLooksDifferent);
+  const auto contradicted = find_contradicted();
+  ASSERT_THAT(contradicted, SizeIs(1));
+  visits_.map.withdraw_loops(contradicted, LoopReason::kAppearance);
   EXPECT_FALSE(joins_.has_views(visits_.map));
-  EXPECT_THAT(find_refuted(0), IsEmpty());
+  EXPECT_THAT(find_contradicted(0), IsEmpty());
   LoopClosure again{visits_.loop.a, visits_.loop.b, SE3{}};
   again.stage = LoopStage::kVerified;
   visits_.map.add_loop_closure(again);

@@ -19,59 +19,59 @@ LocationCheck after(int frames, const LocationEvidence& evidence, bool confident
 TEST(LocationCheck, TwoFramesThatAgreeConfirmAPlace) {
   EXPECT_FALSE(after(1, kAgrees).is_confirmed());
   EXPECT_TRUE(after(2, kAgrees).is_confirmed());
-  EXPECT_FALSE(after(2, kAgrees).is_refuted());
+  EXPECT_FALSE(after(2, kAgrees).is_contradicted());
 }
 
 TEST(LocationCheck, APlaceOfAnotherSizeIsRefuted) {
-  EXPECT_TRUE(after(1, {{1.04, 0.003}, {500, 0}, 1}).is_refuted());
-  EXPECT_TRUE(after(1, {{0.96, 0.003}, {500, 0}, 1}).is_refuted());
-  EXPECT_FALSE(after(1, {{1.01, 0.003}, {500, 0}, 1}).is_refuted());
+  EXPECT_TRUE(after(1, {{1.04, 0.003}, {500, 0}, 1}).is_contradicted());
+  EXPECT_TRUE(after(1, {{0.96, 0.003}, {500, 0}, 1}).is_contradicted());
+  EXPECT_FALSE(after(1, {{1.01, 0.003}, {500, 0}, 1}).is_contradicted());
 }
 
 TEST(LocationCheck, TheScalesOfSeveralFramesTellMoreThanThatOfOne) {
   const LocationEvidence vague{{1.04, 0.02}, {500, 0}, 1};
-  EXPECT_FALSE(after(1, vague).is_refuted());
-  EXPECT_TRUE(after(9, vague).is_refuted());
+  EXPECT_FALSE(after(1, vague).is_contradicted());
+  EXPECT_TRUE(after(9, vague).is_contradicted());
 }
 
 TEST(LocationCheck, KeypointsInFreeSpaceRefuteAPlaceThatHadBeenConfirmed) {
   LocationCheck check = after(5, kAgrees);
   const LocationEvidence contradicts{{1, 0.003}, {400, 100}, 1};
   check.add(contradicts, true);
-  EXPECT_TRUE(check.is_refuted());
+  EXPECT_TRUE(check.is_contradicted());
 }
 
 TEST(LocationCheck, OldFramesDoNotOutweighTheLatest) {
   LocationCheck check = after(1000, kAgrees);
   for (int i = 0; i < 5; ++i) check.add({{1, 0.003}, {460, 40}, 1}, true);
-  EXPECT_TRUE(check.is_refuted());
+  EXPECT_TRUE(check.is_contradicted());
 }
 
 TEST(LocationCheck, APlaceThatLooksDifferentInMostFramesIsRefuted) {
   const LocationEvidence different{{1, 0.003}, {500, 0}, 1e-4};
-  EXPECT_TRUE(after(1, different).is_refuted());
+  EXPECT_TRUE(after(1, different).is_contradicted());
   LocationCheck check = after(1, kAgrees);
   check.add(different, true);
-  EXPECT_FALSE(check.is_refuted());
+  EXPECT_FALSE(check.is_contradicted());
   check.add(different, true);
-  EXPECT_TRUE(check.is_refuted());
+  EXPECT_TRUE(check.is_contradicted());
 }
 
 TEST(LocationCheck, AConfirmedPlaceIsRefutedWhereTooManyFramesLookDifferent) {
   LocationCheck check;
   for (int i = 0; i < 2; ++i) check.add({{}, {200, 0}}, true);
   ASSERT_TRUE(check.is_confirmed());
-  for (int i = 0; i < 9; ++i) check.add_look(0.5);
-  for (int i = 0; i < 3; ++i) check.add_look(1e-6);
-  EXPECT_FALSE(check.is_refuted()) << "a quarter: something was moved";
-  check.add_look(1e-6);
-  EXPECT_TRUE(check.is_refuted());
+  for (int i = 0; i < 9; ++i) check.add_appearance(0.5);
+  for (int i = 0; i < 3; ++i) check.add_appearance(1e-6);
+  EXPECT_FALSE(check.is_contradicted()) << "a quarter: something was moved";
+  check.add_appearance(1e-6);
+  EXPECT_TRUE(check.is_contradicted());
 }
 
 TEST(LocationCheck, AFewDifferentFramesSayNothing) {
   LocationCheck check;
-  for (int i = 0; i < 3; ++i) check.add_look(1e-6);
-  EXPECT_FALSE(check.is_refuted());
+  for (int i = 0; i < 3; ++i) check.add_appearance(1e-6);
+  EXPECT_FALSE(check.is_contradicted());
 }
 
 TEST(LocationCheck, WithoutDepthTenConfidentFramesConfirmAPlace) {

@@ -243,7 +243,7 @@ TEST_F(Loop, CorrectionDistributesTheDrift) {
   const double before_m =
       test::distance_m(built_.map.keyframe(last_).T_world_camera, true_pose(kKeyframes - 1));
   built_.map.add_loop_closure(verified->loop);
-  UnbentOdometry odometry;
+  OdometryBeforeLoops odometry;
   odometry.observe(built_.map, {});
   const auto correction =
       correct_loop(make_loop_correction_problem(built_.map, {{ends, merges}}, odometry, {}), {});

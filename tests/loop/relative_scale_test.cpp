@@ -42,7 +42,7 @@ TEST(RelativeScale, AThirdMayBeFalseMatches) {
   const SE3 T_a_b = test::random_step(random, 1, 0.5);
   const RelativeScale found = estimate_scale(pairs_of(0.93, T_a_b, random, 0.3), T_a_b.R());
   EXPECT_NEAR(found.factor, 0.93, 0.02);
-  EXPECT_TRUE(refutes_same_place(found));
+  EXPECT_TRUE(contradicts_same_place(found));
 }
 
 TEST(RelativeScale, ErrorsAreThoseThatItsSigmaTells) {
@@ -53,7 +53,7 @@ TEST(RelativeScale, ErrorsAreThoseThatItsSigmaTells) {
   for (int i = 0; i < kTrials; ++i) {
     const RelativeScale found = estimate_scale(pairs_of(1, T_a_b, random, 0, 40), T_a_b.R());
     beyond += std::abs(found.factor - 1) > 2 * found.sigma ? 1 : 0;
-    EXPECT_FALSE(refutes_same_place(found));
+    EXPECT_FALSE(contradicts_same_place(found));
   }
   EXPECT_LT(beyond, 12);  // of 100, 5 are expected
 }
@@ -61,7 +61,7 @@ TEST(RelativeScale, ErrorsAreThoseThatItsSigmaTells) {
 TEST(RelativeScale, FewPointsTellNothing) {
   Random random(4);
   const auto pairs = pairs_of(0.5, SE3{}, random, 0, kMinScalePairs - 1);
-  EXPECT_FALSE(refutes_same_place(estimate_scale(pairs, Eigen::Matrix3d::Identity())));
+  EXPECT_FALSE(contradicts_same_place(estimate_scale(pairs, Eigen::Matrix3d::Identity())));
 }
 
 TEST(RelativeScale, IndependentMeasurementsAreCombinedByTheirVariances) {
@@ -69,14 +69,14 @@ TEST(RelativeScale, IndependentMeasurementsAreCombinedByTheirVariances) {
   const RelativeScale combined = combine(scales);
   EXPECT_NEAR(combined.factor, 1, 1e-9);
   EXPECT_NEAR(combined.sigma, 0.01 / std::sqrt(2), 1e-9);
-  EXPECT_FALSE(refutes_same_place(combine({})));
+  EXPECT_FALSE(contradicts_same_place(combine({})));
 }
 
 TEST(RelativeScale, TwoPerCentAndThreeSigmaRefute) {
-  EXPECT_TRUE(refutes_same_place({0.975, 0.004}));
-  EXPECT_TRUE(refutes_same_place({1.025, 0.004}));
-  EXPECT_FALSE(refutes_same_place({0.985, 0.001}));
-  EXPECT_FALSE(refutes_same_place({0.95, 0.02}));
+  EXPECT_TRUE(contradicts_same_place({0.975, 0.004}));
+  EXPECT_TRUE(contradicts_same_place({1.025, 0.004}));
+  EXPECT_FALSE(contradicts_same_place({0.985, 0.001}));
+  EXPECT_FALSE(contradicts_same_place({0.95, 0.02}));
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST_F(DepthCheck, OneSceneAgreesWithItself) {
 
 TEST_F(DepthCheck, ASmallPoseErrorIsNoViolation) {
   const SE3 error = camera_at(0.01, {0.02, 0.01, -0.02});
-  EXPECT_FALSE(violates_free_space(compare(scene_, T_world_a_, scene_, T_world_b_, error), kMaxShare));
+  EXPECT_FALSE(contradicts_free_space(compare(scene_, T_world_a_, scene_, T_world_b_, error), kMaxShare));
 }
 
 TEST_F(DepthCheck, AMovedWallViolatesFreeSpace) {
@@ -95,7 +95,7 @@ TEST_F(DepthCheck, AMovedWallViolatesFreeSpace) {
     other.wall_m = wall_m;
     const auto depths = compare(scene_, T_world_a_, other, T_world_b_);
     EXPECT_GT(depths.consistent, 120) << "the board is the same";
-    EXPECT_TRUE(violates_free_space(depths, kMaxShare)) << wall_m;
+    EXPECT_TRUE(contradicts_free_space(depths, kMaxShare)) << wall_m;
   }
 }
 
@@ -104,7 +104,7 @@ TEST_F(DepthCheck, OcclusionIsNoViolation) {
   const SE3 left = camera_at(0.3, {-0.9, 0, 0}), right = camera_at(-0.3, {0.9, 0, 0});
   const auto depths = compare(scene_, left, scene_, right);
   EXPECT_GT(depths.consistent, 300);
-  EXPECT_FALSE(violates_free_space(depths, kMaxShare));
+  EXPECT_FALSE(contradicts_free_space(depths, kMaxShare));
   Scene without = scene_;
   without.board_half_width_m = 0;
   const auto bare = compare(without, left, without, right);
@@ -114,8 +114,8 @@ TEST_F(DepthCheck, OcclusionIsNoViolation) {
 TEST_F(DepthCheck, AnObjectInOneViewOnlyViolatesFreeSpace) {
   Scene without = scene_;
   without.board_half_width_m = 0;
-  EXPECT_TRUE(violates_free_space(compare(scene_, T_world_a_, without, T_world_b_), kMaxShare));
-  EXPECT_TRUE(violates_free_space(compare(without, T_world_a_, scene_, T_world_b_), kMaxShare));
+  EXPECT_TRUE(contradicts_free_space(compare(scene_, T_world_a_, without, T_world_b_), kMaxShare));
+  EXPECT_TRUE(contradicts_free_space(compare(without, T_world_a_, scene_, T_world_b_), kMaxShare));
 }
 
 TEST_F(DepthCheck, IsSymmetric) {
@@ -137,14 +137,14 @@ TEST_F(DepthCheck, WithoutDepthNothingIsCompared) {
   const auto depths =
       compare_depths({a}, {b}, T_world_a_.inverse() * T_world_b_, Sensor{camera_}, kPositionSigma_m);
   EXPECT_EQ(depths.consistent + depths.free_space_violations, 0);
-  EXPECT_FALSE(violates_free_space(depths, 0));
+  EXPECT_FALSE(contradicts_free_space(depths, 0));
 }
 
 TEST_F(DepthCheck, AFewOutliersAreTolerated) {
-  EXPECT_FALSE(violates_free_space({10, 2}, kMaxShare));
-  EXPECT_TRUE(violates_free_space({10, 3}, kMaxShare));
-  EXPECT_FALSE(violates_free_space({1000, 5}, kMaxShare));
-  EXPECT_TRUE(violates_free_space({1000, 6}, kMaxShare));
+  EXPECT_FALSE(contradicts_free_space({10, 2}, kMaxShare));
+  EXPECT_TRUE(contradicts_free_space({10, 3}, kMaxShare));
+  EXPECT_FALSE(contradicts_free_space({1000, 5}, kMaxShare));
+  EXPECT_TRUE(contradicts_free_space({1000, 6}, kMaxShare));
 }
 
 constexpr double kUnlikely = 1e-3;
@@ -230,11 +230,11 @@ TEST(AppearanceCheckOfSurfaces, WhatHasMovedDoesNotCount) {
   EXPECT_GT(appearance_p_value({a, &lower}, {b, &wall}, {}, pinhole), kUnlikely) << "or stood there before";
 }
 
-TEST(Looks, DifferByAppearanceOrByAKnownSize) {
+TEST(AppearanceTally, DifferByAppearanceOrByAKnownSize) {
   const auto is_different = [](const ViewComparison& views) {
-    Looks looks;
-    looks.add(views);
-    return looks.different_views == 1;
+    AppearanceTally tally;
+    tally.add(views);
+    return tally.different_views == 1;
   };
   EXPECT_TRUE(is_different({1e-4, {1, 0.002}}));
   EXPECT_TRUE(is_different({1, {0.98, 0.002}}));

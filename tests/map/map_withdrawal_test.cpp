@@ -146,7 +146,7 @@ TEST_F(JoinedVisits, FramesFollowTheirOwnVisit) {
   apart.epoch = map_.epoch();
   apart.T_world_camera = {{old_, test::camera_at(0.3, {9, 9, 9})}};
   ASSERT_TRUE(map_.apply(apart));
-  const FrameLog own = with_references_of_own_visit(log, map_, before);
+  const FrameLog own = rebased_after_split(log, map_, before);
   EXPECT_EQ(own[1].reference, later_);
   EXPECT_LT(test::difference(world_pose(own[1], map_), seen_at), 1e-9);
   EXPECT_THAT(own[1].matches, testing::SizeIs(1)) << "the landmark of the other visit is dropped";
@@ -183,7 +183,7 @@ TEST(LoopRecords, ALaterDecisionReplacesTheRecord) {
   const KeyframeId a = map.add_keyframe(FrameId{0}, 0, SE3{}, features_at(1));
   const KeyframeId b = map.add_keyframe(FrameId{1}, 1, SE3{}, features_at(1));
   LoopClosure loop = verified_loop(a, b, SE3{});
-  EXPECT_THROW(map.record_loop(loop), std::logic_error) << "neither provisional nor refuted";
+  EXPECT_THROW(map.record_loop(loop), std::logic_error) << "neither provisional nor contradicted";
   loop.stage = LoopStage::kProvisional;
   map.record_loop(loop);
   loop.stage = LoopStage::kRejected;

@@ -25,13 +25,13 @@ class Filming {
   /// Adds frames with these signs for a time.
   void record(double seconds, const RecordingSigns& signs) {
     for (int i = 0; i < static_cast<int>(10 * seconds); ++i)
-      doctor_.observe(stamp_ns_ += kNsPerSecond / 10, signs);
+      advisor_.observe(stamp_ns_ += kNsPerSecond / 10, signs);
   }
-  [[nodiscard]] std::vector<RecordingHint> hints() const { return doctor_.hints(); }
-  [[nodiscard]] double seconds(RecordingHint hint) const { return doctor_.seconds(hint); }
+  [[nodiscard]] std::vector<RecordingHint> hints() const { return advisor_.hints(); }
+  [[nodiscard]] double seconds(RecordingHint hint) const { return advisor_.seconds(hint); }
 
  private:
-  RecordingDoctor doctor_;
+  RecordingAdvisor advisor_;
   int64_t stamp_ns_ = 1'700'000'000 * kNsPerSecond;
 };
 
@@ -68,7 +68,7 @@ TEST(Advice, AHintIsGivenUntilItsSignIsClearlyBetter) {
   }
 }
 
-TEST(RecordingDoctor, AHintWaitsForHalfASecondOfItsSigns) {
+TEST(RecordingAdvisor, AHintWaitsForHalfASecondOfItsSigns) {
   Filming recording;
   recording.record(1, kGood);
   recording.record(0.4, kDark);
@@ -80,7 +80,7 @@ TEST(RecordingDoctor, AHintWaitsForHalfASecondOfItsSigns) {
   EXPECT_THAT(recording.hints(), ElementsAre(kTooDark));
 }
 
-TEST(RecordingDoctor, SwingsAreShort) {
+TEST(RecordingAdvisor, SwingsAreShort) {
   Filming recording;
   recording.record(1, kGood);
   recording.record(0.2, kFast);
@@ -89,7 +89,7 @@ TEST(RecordingDoctor, SwingsAreShort) {
   EXPECT_THAT(recording.hints(), ElementsAre(kTooFast));
 }
 
-TEST(RecordingDoctor, AHintStaysForTwoSecondsAfterItsSigns) {
+TEST(RecordingAdvisor, AHintStaysForTwoSecondsAfterItsSigns) {
   Filming recording;
   recording.record(1, kFast);
   recording.record(1.9, kGood);
@@ -100,14 +100,14 @@ TEST(RecordingDoctor, AHintStaysForTwoSecondsAfterItsSigns) {
   EXPECT_THAT(recording.hints(), IsEmpty());
 }
 
-TEST(RecordingDoctor, ADoubtfulPoseIsToldAtOnce) {
+TEST(RecordingAdvisor, ADoubtfulPoseIsToldAtOnce) {
   Filming recording;
   recording.record(1, kGood);
   recording.record(0.1, {.in_doubt = true});
   EXPECT_THAT(recording.hints(), ElementsAre(kInDoubt));
 }
 
-TEST(RecordingDoctor, GivesTheMostUrgentThree) {
+TEST(RecordingAdvisor, GivesTheMostUrgentThree) {
   Filming recording;
   recording.record(
       1, {.in_doubt = true, .image_motion_rad_s = 3, .depth_share = 0, .bright_level = 10, .inliers = 0});
@@ -115,7 +115,7 @@ TEST(RecordingDoctor, GivesTheMostUrgentThree) {
   EXPECT_GT(recording.seconds(kFewFeatures), 0) << "but counts all";
 }
 
-TEST(RecordingDoctor, CountsTheSecondsOfEachHint) {
+TEST(RecordingAdvisor, CountsTheSecondsOfEachHint) {
   Filming recording;
   recording.record(5, kGood);
   EXPECT_EQ(recording.seconds(kTooFast), 0);
@@ -124,11 +124,11 @@ TEST(RecordingDoctor, CountsTheSecondsOfEachHint) {
   EXPECT_NEAR(recording.seconds(kTooFast), 3 - 0.2 + 2, 0.11);
 }
 
-TEST(RecordingDoctor, AGapCountsForASecondAtMost) {
-  RecordingDoctor doctor;
-  doctor.observe(0, {.in_doubt = true});
-  doctor.observe(3600 * kNsPerSecond, kGood);
-  EXPECT_EQ(doctor.seconds(kInDoubt), 1);
+TEST(RecordingAdvisor, AGapCountsForASecondAtMost) {
+  RecordingAdvisor advisor;
+  advisor.observe(0, {.in_doubt = true});
+  advisor.observe(3600 * kNsPerSecond, kGood);
+  EXPECT_EQ(advisor.seconds(kInDoubt), 1);
 }
 
 /// A frame of one grey and one depth, but for a white left part and a right one without depth.

@@ -157,7 +157,7 @@ std::vector<bool> doubles(const Slam& slam, const RgbdCamera& camera) {
   PlaceRecognition places({camera.color}, {}, load_default_vocabulary());
   for (const Keyframe& keyframe : map.keyframes()) places.add(keyframe);
   std::vector<bool> found;
-  for (const Keyframe& keyframe : map.keyframes()) found.push_back(places.has_double(keyframe.id, map));
+  for (const Keyframe& keyframe : map.keyframes()) found.push_back(places.is_aliased(keyframe.id, map));
   return found;
 }
 

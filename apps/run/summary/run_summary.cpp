@@ -126,13 +126,13 @@ json warnings_json(const std::vector<InputWarning>& warnings) {
 }
 
 /// The hints that were given: how long, and what to do.
-json advice_json(const RecordingDoctor& doctor) {
+json advice_json(const RecordingAdvisor& advisor) {
   json all = json::array();
   for (size_t i = 0; i < kRecordingHints; ++i) {
     const auto hint = static_cast<RecordingHint>(i);
-    if (doctor.seconds(hint) <= 0) continue;
+    if (advisor.seconds(hint) <= 0) continue;
     all.push_back({{"kind", name_of(hint)},
-                   {"seconds", rounded_number(doctor.seconds(hint))},
+                   {"seconds", rounded_number(advisor.seconds(hint))},
                    {"advice", text_of(hint)}});
   }
   return all;
@@ -184,7 +184,7 @@ json run_summary(const RunOutcome& o) {
   summary["frames"] = log.size();
   summary["quality"] = quality_json(judge(judged_frames(log, o.slam.map())));
   summary["warnings"] = warnings_json(o.warnings);
-  summary["advice"] = advice_json(o.doctor);
+  summary["advice"] = advice_json(o.advisor);
   summary["tracked"] = located - doubtful;
   summary["doubtful"] = doubtful;
   summary["tracked_densely"] = dense_only;

@@ -22,7 +22,7 @@ struct RunOutcome {
   const RunPlan& plan;
   const Slam& slam;
   std::vector<InputWarning> warnings = {};          ///< where the input contradicts itself
-  RecordingDoctor doctor = {};                      ///< what spoiled the recording
+  RecordingAdvisor advisor = {};                    ///< what spoiled the recording
   std::optional<Evaluation> evaluation = {};        ///< if there is ground truth
   std::vector<PoseWithCovariance> live_poses = {};  ///< as tracking gave them
   std::optional<size_t> map_points = {};            ///< of the cloud, if one was fused

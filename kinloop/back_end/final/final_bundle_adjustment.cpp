@@ -1,7 +1,7 @@
 #include "kinloop/back_end/final/final_bundle_adjustment.hpp"
 
+#include "kinloop/back_end/final/erase_moved_landmarks.hpp"
 #include "kinloop/back_end/final/refine_frames.hpp"
-#include "kinloop/back_end/final/withdraw_moved.hpp"
 #include "kinloop/mapping/complete_tracks.hpp"
 
 namespace kinloop {
@@ -19,7 +19,7 @@ FinalBundleAdjustment final_bundle_adjustment(Map& map, FrameLog& log, const Sen
   FinalBundleAdjustment result{initial_estimate,
                                std::vector<Matrix6d>(map.keyframes().size(), Matrix6d::Zero())};
   if (map.keyframes().size() < 2) return result;
-  withdraw_moved(map);
+  erase_moved_landmarks(map);
   const SelfCalibrationOptions& calibration = options.self_calibration;
   constexpr int kPassesWithoutSensor = 2;  // before and after completing tracks
   const int passes = calibration.enabled ? calibration.passes : kPassesWithoutSensor;

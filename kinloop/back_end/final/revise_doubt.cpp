@@ -101,65 +101,65 @@ void extend_doubt(FrameLog& log, size_t first) {
 }
 
 /// The frames from `begin` to before `end`.
-struct Stretch {
+struct Interval {
   size_t begin, end;
 };
 
-/// Returns the stretch of each component: from its first frame to its last, with the lost ones that follow.
-std::map<uint32_t, Stretch> stretches_of_components(const FrameLog& log, size_t first, const Map& map) {
-  std::map<uint32_t, Stretch> stretches;
-  Stretch* latest = nullptr;
+/// Returns the interval of each component: from its first frame to its last, with the lost ones that follow.
+std::map<uint32_t, Interval> intervals_of_components(const FrameLog& log, size_t first, const Map& map) {
+  std::map<uint32_t, Interval> intervals;
+  Interval* latest = nullptr;
   for (size_t i = first; i < log.size(); ++i) {
     if (!log[i].is_lost())
-      latest = &stretches.try_emplace(map.keyframe(log[i].reference).component, Stretch{i, i}).first->second;
+      latest = &intervals.try_emplace(map.keyframe(log[i].reference).component, Interval{i, i}).first->second;
     if (latest != nullptr) latest->end = i + 1;
   }
-  return stretches;
+  return intervals;
 }
 
 int64_t interval_ns(const FrameLog& log, size_t from, size_t to) {
   return log[to].stamp_ns - log[from].stamp_ns;
 }
 
-/// Joins stretches in ascending order between which at most `max_interval_ns` pass.
-std::vector<Stretch> joined(const FrameLog& log, const std::vector<Stretch>& stretches,
-                            int64_t max_interval_ns) {
-  std::vector<Stretch> all;
-  for (const Stretch& stretch : stretches) {
-    if (all.empty() || interval_ns(log, all.back().end - 1, stretch.begin) > max_interval_ns)
-      all.push_back(stretch);
-    all.back().end = stretch.end;
+/// Joins intervals in ascending order between which at most `max_interval_ns` pass.
+std::vector<Interval> joined(const FrameLog& log, const std::vector<Interval>& intervals,
+                             int64_t max_interval_ns) {
+  std::vector<Interval> all;
+  for (const Interval& interval : intervals) {
+    if (all.empty() || interval_ns(log, all.back().end - 1, interval.begin) > max_interval_ns)
+      all.push_back(interval);
+    all.back().end = interval.end;
   }
   return all;
 }
 
-/// Returns the stretch with the frames of `whole` around it that are no further than `reach_ns`.
-Stretch widened(const FrameLog& log, const Stretch& stretch, const Stretch& whole, int64_t reach_ns) {
-  Stretch wide = stretch;
-  while (wide.begin > whole.begin && interval_ns(log, wide.begin - 1, stretch.begin) <= reach_ns)
+/// Returns the interval with the frames of `whole` around it that are no further than `reach_ns`.
+Interval widened(const FrameLog& log, const Interval& interval, const Interval& whole, int64_t reach_ns) {
+  Interval wide = interval;
+  while (wide.begin > whole.begin && interval_ns(log, wide.begin - 1, interval.begin) <= reach_ns)
     --wide.begin;
-  while (wide.end < whole.end && interval_ns(log, stretch.end - 1, wide.end) <= reach_ns) ++wide.end;
+  while (wide.end < whole.end && interval_ns(log, interval.end - 1, wide.end) <= reach_ns) ++wide.end;
   return wide;
 }
 
 /// Doubts the frames around doubt that lasts: its cause began before it was noticed and ended later, and a
 /// pose that agrees with the map for a moment in between may agree with what was mapped in doubt.
-void doubt_surroundings(FrameLog& log, size_t first, const Map& map) {
+void widen_doubt(FrameLog& log, size_t first, const Map& map) {
   // Learned on disturbed runs in the rooms with people of seeds 101 to 104.
   constexpr int64_t kMinLasting_ns = kNsPerSecond / 2, kMaxInterval_ns = kNsPerSecond / 2;
   constexpr int64_t kReach_ns = kNsPerSecond / 2, kMinTrusted_ns = 3 * kNsPerSecond;
-  for (const auto& [component, whole] : stretches_of_components(log, first, map)) {
-    std::vector<Stretch> doubt;
+  for (const auto& [component, whole] : intervals_of_components(log, first, map)) {
+    std::vector<Interval> doubt;
     for (size_t i = whole.begin; i < whole.end; ++i) {
       if (log[i].is_lost() || (log[i].doubtful && is_tracked_in(component, log[i], map)))
         doubt.push_back({i, i + 1});
     }
     doubt = joined(log, doubt, kMaxInterval_ns);
-    std::erase_if(doubt, [&](const Stretch& stretch) {
-      return interval_ns(log, stretch.begin, stretch.end - 1) < kMinLasting_ns;
+    std::erase_if(doubt, [&](const Interval& interval) {
+      return interval_ns(log, interval.begin, interval.end - 1) < kMinLasting_ns;
     });
-    for (const Stretch& stretch : joined(log, doubt, kMinTrusted_ns)) {
-      const Stretch near = widened(log, stretch, whole, kReach_ns);
+    for (const Interval& interval : joined(log, doubt, kMinTrusted_ns)) {
+      const Interval near = widened(log, interval, whole, kReach_ns);
       for (size_t i = near.begin; i < near.end; ++i) {
         if (is_tracked_in(component, log[i], map)) log[i].doubtful = true;
       }
@@ -172,11 +172,11 @@ void doubt_surroundings(FrameLog& log, size_t first, const Map& map) {
 FrameLog revise_doubt(FrameLog log, size_t first, const Map& map) {
   doubt_jumps(log, first, map);
   extend_doubt(log, first);
-  doubt_surroundings(log, first, map);
+  widen_doubt(log, first, map);
   return log;
 }
 
-std::optional<size_t> begin_of_contradiction(const FrameLog& log, size_t first, size_t last) {
+std::optional<size_t> contradiction_start(const FrameLog& log, size_t first, size_t last) {
   size_t earliest = last;
   while (earliest > first && log[last].stamp_ns - log[earliest - 1].stamp_ns <= kMaxDistance_ns) --earliest;
   const std::vector<double> contradicted =

@@ -14,11 +14,11 @@ namespace kinloop {
 ///   the view moves or contradicts the pose. A camera that begins to follow something that moves finds enough
 ///   that agrees; that it was not the room becomes clear later.
 /// - Doubt that lasts half a second reaches half a second further, and over less than three seconds of trust
-///   between two such stretches of a component.
+///   between two such intervals of a component.
 FrameLog revise_doubt(FrameLog log, size_t first, const Map& map);
 
 /// Returns since which frame, at most 2 s before frame `last`, much of what has not moved has contradicted
 /// the pose up to `last`; nullopt if it does not there. Frames before `first` are not looked at.
-std::optional<size_t> begin_of_contradiction(const FrameLog& log, size_t first, size_t last);
+std::optional<size_t> contradiction_start(const FrameLog& log, size_t first, size_t last);
 
 }  // namespace kinloop

@@ -46,8 +46,9 @@ struct AppliedSolution {
   VerifiedLoops verified = {};          ///< loop closures to be decided on
   bool loops_added = false;             ///< loop closures were added, for which the map must be corrected
   std::vector<LoopMerges> merges = {};  ///< landmarks that those loop closures identify
-  std::vector<LoopEnds> refuted_joins = {};  ///< loop closures taken back because the visits look different
-  bool loops_corrected = false;              ///< the pose graph was solved with all its loops
+  std::vector<LoopEnds> contradicted_joins =
+      {};                        ///< loop closures taken back because the visits look different
+  bool loops_corrected = false;  ///< the pose graph was solved with all its loops
   /// If components were parted: T_world_camera of all keyframes before.
   std::vector<SE3> T_world_keyframe_before = {};
   std::optional<AppliedSensor> sensor = {};  ///< set if newly estimated

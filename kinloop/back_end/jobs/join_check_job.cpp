@@ -8,13 +8,13 @@ constexpr int kMinViews = 10, kMinViewsAtEnd = 4;
 }  // namespace
 
 JoinCheckJob::Solution JoinCheckJob::solve(const Problem& problem) {
-  Solution looks;
-  for (const JoinedViews& views : problem.views) looks.push_back(compare(views, problem.sensor));
-  return looks;
+  Solution results;
+  for (const JoinedViews& views : problem.views) results.push_back(compare(views, problem.sensor));
+  return results;
 }
 
-std::optional<AppliedSolution> JoinCheckJob::apply(Map& map, const Solution& looks) {
-  joins_.add(looks);
+std::optional<AppliedSolution> JoinCheckJob::apply(Map& map, const Solution& results) {
+  joins_.add(results);
   return part(map, kMinViews);
 }
 
@@ -22,12 +22,12 @@ AppliedSolution JoinCheckJob::finish(Map& map) {
   return part(map, kMinViewsAtEnd);
 }
 
-/// Withdraws the loop closures of refuted joins.
+/// Withdraws the loop closures of contradicted joins.
 AppliedSolution JoinCheckJob::part(Map& map, int min_views) {
   AppliedSolution applied{.map_changed = false};
-  applied.refuted_joins = joins_.take_refuted(map, min_views);
-  if (applied.refuted_joins.empty()) return applied;
-  applied.T_world_keyframe_before = map.withdraw_loops(applied.refuted_joins, LoopReason::kLooksDifferent);
+  applied.contradicted_joins = joins_.take_contradicted(map, min_views);
+  if (applied.contradicted_joins.empty()) return applied;
+  applied.T_world_keyframe_before = map.withdraw_loops(applied.contradicted_joins, LoopReason::kAppearance);
   map.advance_epoch();  // work in flight has the visits in one part
   applied.map_changed = applied.loops_corrected = true;
   return applied;

@@ -1,5 +1,5 @@
 #pragma once
-// Judges the joins of two visits again with each new keyframe, and takes those back that are refuted.
+// Judges the joins of two visits again with each new keyframe, and takes those back that are contradicted.
 
 #include <utility>
 #include <vector>
@@ -17,7 +17,7 @@ class JoinCheckJob {
     std::vector<JoinedViews> views;
     Sensor sensor;
   };
-  using Solution = std::vector<JoinedLook>;
+  using Solution = std::vector<ViewPairResult>;
 
   explicit JoinCheckJob(const BackEndOptions& options)
       : lag_frames_(options.executor.loop_verification_lag_frames) {}
@@ -29,8 +29,8 @@ class JoinCheckJob {
   }
   [[nodiscard]] static Solution solve(const Problem& problem);
   /// Never stale: what was compared is of the visits, whatever has become of their poses.
-  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& looks);
-  void on_stale(const Solution& /*looks*/) {}
+  [[nodiscard]] std::optional<AppliedSolution> apply(Map& map, const Solution& results);
+  void on_stale(const Solution& /*results*/) {}
 
   /// Judges by fewer views, when no further keyframes come.
   AppliedSolution finish(Map& map);

@@ -36,7 +36,7 @@ class LoopCorrectionJob {
   int lag_frames_;
   bool loops_waiting_ = false;
   std::vector<LoopMerges> merges_;  // of the waiting loops
-  UnbentOdometry odometry_;
+  OdometryBeforeLoops odometry_;
 };
 
 }  // namespace kinloop

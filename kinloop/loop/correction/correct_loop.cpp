@@ -135,7 +135,7 @@ Matrix6d edge_information(int shared, const LoopOptions& options) {
   return diagonal.asDiagonal();
 }
 
-void UnbentOdometry::observe(const Map& map, const LoopOptions& options) {
+void OdometryBeforeLoops::observe(const Map& map, const LoopOptions& options) {
   for (; observed_ < map.keyframes().size(); ++observed_) {
     const Keyframe& keyframe = map.keyframe(KeyframeId{observed_});
     // What is seen again after a while is tied by loops, which may be false.
@@ -169,7 +169,7 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, LoopEdges 
 }
 
 LoopCorrectionProblem make_loop_correction_problem(const Map& map, std::vector<LoopMerges> merges,
-                                                   const UnbentOdometry& odometry,
+                                                   const OdometryBeforeLoops& odometry,
                                                    const LoopOptions& options) {
   return {make_pose_graph(map, options, LoopEdges::kAsCorrected),
           map.loop_closures(),

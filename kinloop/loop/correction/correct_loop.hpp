@@ -12,7 +12,7 @@ namespace kinloop {
 
 /// The motion between neighbouring keyframes as it was before any loop bent the map: what is needed to take a
 /// loop back. A keyframe enters when the first loop after it is corrected, after its local adjustment.
-class UnbentOdometry {
+class OdometryBeforeLoops {
  public:
   /// Takes over the keyframes that are new.
   void observe(const Map& map, const LoopOptions& options);
@@ -65,7 +65,7 @@ Matrix6d edge_information(int shared, const LoopOptions& options);
 
 /// Copies the problem; `merges` are those of the loop closures that the map has not been corrected for.
 LoopCorrectionProblem make_loop_correction_problem(const Map& map, std::vector<LoopMerges> merges,
-                                                   const UnbentOdometry& odometry,
+                                                   const OdometryBeforeLoops& odometry,
                                                    const LoopOptions& options);
 
 /// Corrected poses, and the loop closures that are false.

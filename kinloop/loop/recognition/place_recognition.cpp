@@ -71,14 +71,14 @@ std::vector<KeyframeId> views_around(const Map& map, uint32_t component, const E
   return views;
 }
 
-/// Whether the frame itself refutes the pose that was found for it.
-bool refutes(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
+/// Whether the frame itself contradicts the pose that was found for it.
+bool contradicts_pose(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
   LocationEvidence evidence = compare_with_views(map, map.keyframe(found.reference).component, end_of(map),
                                                  *in.frame.features, world_pose(found, map), in.sensor);
   evidence.scale = measure_scale(in, found.T_reference_camera);
   LocationCheck check;
   check.add(evidence, false);
-  return check.is_refuted();
+  return check.is_contradicted();
 }
 
 }  // namespace
@@ -90,12 +90,12 @@ BowVector PlaceRecognition::bow_of(const Features& features) const {
 void PlaceRecognition::add(const Keyframe& keyframe) {
   QuantizedFeatures quantized = vocabulary_.quantize(keyframe.features->descriptors);
   index_.add(keyframe.id, vocabulary_.bow_of(quantized.words));
-  doubles_.clear();
+  aliased_.clear();
   if (keyframe.id.value >= nodes_.size()) nodes_.resize(keyframe.id.value + 1);
   nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
 
-/// Returns the pose of the frame if it shows the place of this keyframe and nothing around refutes it.
+/// Returns the pose of the frame if it shows the place of this keyframe and nothing around contradicts it.
 std::optional<TrackedFrame> PlaceRecognition::locate_at(KeyframeId candidate, const Frame& frame,
                                                         const Map& map) const {
   const auto& [sensor, options] = context_;
@@ -104,7 +104,7 @@ std::optional<TrackedFrame> PlaceRecognition::locate_at(KeyframeId candidate, co
   const uint64_t seed = hash(options.seed, frame.id.value);
   auto found = recognize_place(in, options.loop, hash(seed, candidate.value));
   if (!found) return std::nullopt;
-  if (refutes(*found, in, map)) return std::nullopt;
+  if (contradicts_pose(*found, in, map)) return std::nullopt;
   found->outcome = TrackingOutcome::kRelocalized;
   found->evidence.with_depth = count_with_depth(found->matches, local_map);
   return found;
@@ -136,28 +136,28 @@ std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, con
     if (!fits_better(*rival, *best)) return std::nullopt;
     best = std::move(rival);
   }
-  if (best && has_double(map.keyframe(best->reference).component, world_pose(*best, map).translation, map))
+  if (best && is_aliased(map.keyframe(best->reference).component, world_pose(*best, map).translation, map))
     return std::nullopt;
   return best;
 }
 
-bool PlaceRecognition::has_double(KeyframeId id, const Map& map) const {
+bool PlaceRecognition::is_aliased(KeyframeId id, const Map& map) const {
   const Keyframe& keyframe = map.keyframe(id);
-  return has_double(keyframe.component, keyframe.T_world_camera.translation, map);
+  return is_aliased(keyframe.component, keyframe.T_world_camera.translation, map);
 }
 
 /// Asks the views around: where something repeats itself, the camera has not looked at all of it alike.
-bool PlaceRecognition::has_double(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const {
+bool PlaceRecognition::is_aliased(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const {
   const auto views = views_around(map, component, p_world);
   return std::any_of(views.begin(), views.end(), [&](KeyframeId view) {
-    const auto [found, added] = doubles_.try_emplace(view, false);
-    if (added) found->second = find_double(view, map);
+    const auto [found, added] = aliased_.try_emplace(view, false);
+    if (added) found->second = find_alias(view, map);
     return found->second;
   });
 }
 
 /// Whether a keyframe is recognized in a part of its component that it does not show.
-bool PlaceRecognition::find_double(KeyframeId id, const Map& map) const {
+bool PlaceRecognition::find_alias(KeyframeId id, const Map& map) const {
   constexpr size_t kLookedAt = 60, kMaxVerified = 8;  // verification takes time
   const Keyframe& keyframe = map.keyframe(id);
   const auto group = covisible_group(map, id);  // they show the same place
@@ -215,7 +215,8 @@ std::optional<TrackedFrame> PlaceRecognition::locate_near(const Frame& frame, co
       has_sufficient_inlier_ratio(result, *frame.features, options.tracking.min_inlier_ratio);
   if (!confident) return std::nullopt;
   const SurfaceAgreement surfaces = agreement_with_reference(local_map, frame, result.T_reference_camera);
-  if (contradicts_unexpected_pose(surfaces, result, frame) || refutes(result, in, map)) return std::nullopt;
+  if (contradicts_unexpected_pose(surfaces, result, frame) || contradicts_pose(result, in, map))
+    return std::nullopt;
   return result;
 }
 

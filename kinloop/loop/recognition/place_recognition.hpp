@@ -23,13 +23,13 @@ class PlaceRecognition {
   void add(const Keyframe& keyframe);
 
   /// Returns the pose of `frame` relative to the most similar keyframe that passes geometric verification and
-  /// whose surroundings do not refute it. nullopt as well if another place fits the frame about as well, or
-  /// looks like the place that was found.
+  /// whose surroundings do not contradict it. nullopt as well if another place fits the frame about as well,
+  /// or looks like the place that was found.
   [[nodiscard]] std::optional<TrackedFrame> relocalize(const Frame& frame, const Map& map) const;
 
   /// Returns whether some keyframe within 5 m looks like another place of its component, as along a corridor
   /// with the same doors. No single frame tells such places apart.
-  [[nodiscard]] bool has_double(KeyframeId id, const Map& map) const;
+  [[nodiscard]] bool is_aliased(KeyframeId id, const Map& map) const;
 
   /// Returns what a frame with descriptors says of the place where it is located, compared with the keyframes
   /// before `end`.
@@ -45,8 +45,8 @@ class PlaceRecognition {
   [[nodiscard]] LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe) const;
 
  private:
-  [[nodiscard]] bool has_double(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const;
-  [[nodiscard]] bool find_double(KeyframeId id, const Map& map) const;
+  [[nodiscard]] bool is_aliased(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const;
+  [[nodiscard]] bool find_alias(KeyframeId id, const Map& map) const;
   [[nodiscard]] bool looks_like(const Keyframe& keyframe, const Keyframe& other, const Map& map) const;
   [[nodiscard]] BowVector bow_of(const Features& features) const;
   [[nodiscard]] std::optional<TrackedFrame> locate_at(KeyframeId candidate, const Frame& frame,
@@ -56,7 +56,7 @@ class PlaceRecognition {
   PlaceContext context_;
   Vocabulary vocabulary_;
   PlaceIndex index_;
-  mutable std::map<KeyframeId, bool> doubles_;  // what `find_double` has found since the last keyframe
+  mutable std::map<KeyframeId, bool> aliased_;  // what `find_alias` has found since the last keyframe
   std::vector<std::vector<NodeId>> nodes_;      // by keyframe id: the vocabulary node of each keypoint
 };
 

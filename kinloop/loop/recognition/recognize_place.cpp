@@ -26,7 +26,7 @@ bool is_verified(const TrackedFrame& result, const TrackingInput& in, const Loop
   if (contradicts_unexpected_pose(surfaces, result, in.frame)) return false;
   const auto depths =
       compare_depths({reference}, {features}, T_reference_camera, in.sensor, options.landmark_sigma_m);
-  return !violates_free_space(depths, options.max_free_space_violation_ratio) &&
+  return !contradicts_free_space(depths, options.max_free_space_violation_ratio) &&
          appearance_p_value({reference}, {features}, T_reference_camera, in.sensor.camera) >=
              options.min_p_value;
 }

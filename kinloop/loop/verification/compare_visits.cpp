@@ -34,13 +34,13 @@ std::vector<OverlappingViews> overlapping_views(const std::vector<KeyframeView>&
   return overlapping;
 }
 
-RoomComparison compare_room(const std::vector<OverlappingViews>& overlapping, ComparedLooks& looks,
+RoomComparison compare_room(const std::vector<OverlappingViews>& overlapping, AppearanceCache& cache,
                             const Sensor& sensor) {
   RoomComparison comparison;
   for (const OverlappingViews& views : overlapping) {
     comparison.depths += compare_depths(seen_by(views.a), seen_by(views.b), views.T_a_b, sensor,
                                         kSigma_m + kDriftPerMetre * views.away_m);
-    if (const auto look = looks.look(views, sensor)) comparison.looks.add(*look);
+    if (const auto pair = cache.compare(views, sensor)) comparison.appearance.add(*pair);
   }
   return comparison;
 }
@@ -62,7 +62,7 @@ std::optional<ViewComparison> compare_aligned(const OverlappingViews& views, con
   return ViewComparison{appearance_p_value(a, b, aligned->T_reference_camera, sensor.camera), aligned->scale};
 }
 
-std::optional<ViewComparison> ComparedLooks::look(const OverlappingViews& views, const Sensor& sensor) {
+std::optional<ViewComparison> AppearanceCache::compare(const OverlappingViews& views, const Sensor& sensor) {
   constexpr double kNear = 0.5;  // of the drift for which alignment allows
   const DriftBound drift = drift_away_from_loop(views.away_m);
   const auto is_near = [&](const SE3& T_a_b) {
@@ -70,25 +70,26 @@ std::optional<ViewComparison> ComparedLooks::look(const OverlappingViews& views,
     return error.translation.norm() < kNear * drift.translation_m &&
            error.angle_rad() < kNear * drift.rotation_rad;
   };
-  const auto [known, added] = looks_.try_emplace({views.a.id, views.b.id});
+  const auto [known, added] = pairs_.try_emplace({views.a.id, views.b.id});
   if (added || !is_near(known->second.T_a_b)) known->second = {views.T_a_b, compare_aligned(views, sensor)};
   return known->second.comparison;
 }
 
 ComparedJoins compare_rooms(const JoinProblem& problem) {
-  ComparedJoins compared{{}, problem.looks, problem.epoch};
+  ComparedJoins compared{{}, problem.cache, problem.epoch};
   for (const auto& [loop, required_views] : problem.joins) {
     const auto overlapping = overlapping_views(problem.views, loop);
     compared.rooms[loop.ends()] = static_cast<int>(overlapping.size()) < required_views
                                       ? RoomComparison{}
-                                      : compare_room(overlapping, compared.looks, problem.sensor);
+                                      : compare_room(overlapping, compared.cache, problem.sensor);
   }
   return compared;
 }
 
-bool refutes_same_room(const RoomComparison& comparison) {
+bool contradicts_same_room(const RoomComparison& comparison) {
   constexpr double kMaxViolations = 0.02;  // of all keypoints, see docs/place.md; edges of depth cause some
-  return comparison.looks.refute_same_place() || violates_free_space(comparison.depths, kMaxViolations);
+  return comparison.appearance.contradicts_same_place() ||
+         contradicts_free_space(comparison.depths, kMaxViolations);
 }
 
 }  // namespace kinloop

@@ -59,24 +59,24 @@ const View* nearest_view(const std::vector<View>& views, const SE3& T_world_came
 std::optional<ViewComparison> compare_aligned(const OverlappingViews& views, const Sensor& sensor);
 
 /// How pairs of views look, which takes long to find out.
-class ComparedLooks {
+class AppearanceCache {
  public:
   /// Compares two views as `compare_aligned`, or returns what they said before at nearly the same relative
   /// pose, from which alignment leads to the same one.
-  std::optional<ViewComparison> look(const OverlappingViews& views, const Sensor& sensor);
+  std::optional<ViewComparison> compare(const OverlappingViews& views, const Sensor& sensor);
 
  private:
-  struct Look {
+  struct Pair {
     SE3 T_a_b;
     std::optional<ViewComparison> comparison;
   };
-  std::map<std::pair<KeyframeId, KeyframeId>, Look> looks_;
+  std::map<std::pair<KeyframeId, KeyframeId>, Pair> pairs_;
 };
 
 /// What the keyframes of one part of a map say of another.
 struct RoomComparison {
   DepthConsistency depths;
-  Looks looks;  ///< of the pairs of keyframes that could be compared
+  AppearanceTally appearance;  ///< of the pairs of keyframes that could be compared
 };
 
 /// A loop that would join two components.
@@ -89,7 +89,7 @@ struct Join {
 struct JoinProblem {
   std::vector<Join> joins;
   std::vector<KeyframeView> views;  ///< of all keyframes, by id
-  ComparedLooks looks;              ///< known before
+  AppearanceCache cache;            ///< known before
   Sensor sensor;
   uint32_t epoch = 0;  ///< of the map
 };
@@ -97,7 +97,7 @@ struct JoinProblem {
 /// What the views say of joins.
 struct ComparedJoins {
   std::map<LoopEnds, RoomComparison> rooms;
-  ComparedLooks looks;
+  AppearanceCache cache;
   uint32_t epoch = 0;
 };
 
@@ -108,6 +108,6 @@ ComparedJoins compare_rooms(const JoinProblem& problem);
 
 /// Returns whether so many keypoints violate free space, or so many views look different, that these are
 /// different rooms.
-bool refutes_same_room(const RoomComparison& comparison);
+bool contradicts_same_room(const RoomComparison& comparison);
 
 }  // namespace kinloop

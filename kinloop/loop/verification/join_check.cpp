@@ -59,7 +59,7 @@ std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& lat
 
 }  // namespace
 
-JoinedLook compare(const JoinedViews& joined, const Sensor& sensor) {
+ViewPairResult compare(const JoinedViews& joined, const Sensor& sensor) {
   return {joined.visits, compare_aligned(joined.views, sensor)};
 }
 
@@ -85,25 +85,25 @@ std::vector<JoinedViews> JoinCheck::take_views(const Map& map) {
   return taken;
 }
 
-void JoinCheck::add(const std::vector<JoinedLook>& looks) {
-  for (const auto& [visits, views] : looks) {
-    if (views) joins_[visits].looks.add(*views);
+void JoinCheck::add(const std::vector<ViewPairResult>& results) {
+  for (const auto& [visits, views] : results) {
+    if (views) joins_[visits].appearance.add(*views);
   }
 }
 
-std::vector<LoopEnds> JoinCheck::take_refuted(const Map& map, int min_views) {
+std::vector<LoopEnds> JoinCheck::take_contradicted(const Map& map, int min_views) {
   const auto joined = loops_between_visits(map);
   std::erase_if(joins_, [&](const auto& entry) { return !joined.contains(entry.first); });
-  std::vector<LoopEnds> refuted;
+  std::vector<LoopEnds> contradicted;
   for (const auto& [visits, loops] : joined) {
     const auto join = joins_.find(visits);
     if (join == joins_.end()) continue;
-    const Looks& looks = join->second.looks;
-    if (looks.views < min_views || !looks.refute_same_place()) continue;
-    refuted.insert(refuted.end(), loops.begin(), loops.end());
+    const AppearanceTally& appearance = join->second.appearance;
+    if (appearance.views < min_views || !appearance.contradicts_same_place()) continue;
+    contradicted.insert(contradicted.end(), loops.begin(), loops.end());
     joins_.erase(join);
   }
-  return refuted;
+  return contradicted;
 }
 
 }  // namespace kinloop

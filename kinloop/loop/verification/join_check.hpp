@@ -21,12 +21,12 @@ struct JoinedViews {
 };
 
 /// What they say of each other, see `compare_aligned`.
-struct JoinedLook {
+struct ViewPairResult {
   VisitPair visits;
   std::optional<ViewComparison> views;
 };
 
-JoinedLook compare(const JoinedViews& joined, const Sensor& sensor);
+ViewPairResult compare(const JoinedViews& joined, const Sensor& sensor);
 
 /// Collects what the keyframes of visits that loop closures have joined say of each other.
 class JoinCheck {
@@ -40,16 +40,16 @@ class JoinCheck {
   std::vector<JoinedViews> take_views(const Map& map);
 
   /// Adds what they say.
-  void add(const std::vector<JoinedLook>& looks);
+  void add(const std::vector<ViewPairResult>& results);
 
   /// Returns the loop closures between visits that are different rooms by at least `min_views` pairs of
   /// views, and forgets what was said of them.
-  std::vector<LoopEnds> take_refuted(const Map& map, int min_views);
+  std::vector<LoopEnds> take_contradicted(const Map& map, int min_views);
 
  private:
   struct Join {
     uint32_t next_keyframe = 0;  ///< the first not looked at
-    Looks looks;
+    AppearanceTally appearance;
   };
 
   std::map<VisitPair, Join> joins_;

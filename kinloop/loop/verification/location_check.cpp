@@ -55,25 +55,26 @@ void LocationCheck::add(const LocationEvidence& evidence, bool confident) {
   if (latest_.size() > kLatest) latest_.pop_front();
   ++frames_;
   if (confident) ++confident_frames_;
-  if (is_refuted()) return;
+  if (is_contradicted()) return;
   const bool by_depth = frames_ >= kMinFrames && depths().consistent >= kMinConsistent;
   if (by_depth || confident_frames_ >= kMinConfidentFrames) confirmed_ = true;
 }
 
-bool LocationCheck::is_refuted() const {
+bool LocationCheck::is_contradicted() const {
   // Of true poses in redkitchen, at most 1 % in any frame; in a room's double, a quarter of the frames 6 %.
   constexpr double kMaxViolations = 0.02;
-  return refutes_same_place(scale()) || violates_free_space(depths(), kMaxViolations) || looks_different();
+  return contradicts_same_place(scale()) || contradicts_free_space(depths(), kMaxViolations) ||
+         appearance_contradicts();
 }
 
-bool LocationCheck::looks_different() const {
+bool LocationCheck::appearance_contradicts() const {
   // At least .5 where 28 frames of redkitchen and 12 of rooms 100 to 104 were located, at most 3e-4 in
   // doubles of these rooms, but for one frame.
   constexpr double kMinPValue = 0.01;
   const auto different = std::count_if(latest_.begin(), latest_.end(), [](const LocationEvidence& evidence) {
     return evidence.appearance_p_value < kMinPValue;
   });
-  return 2 * static_cast<size_t>(different) > latest_.size() || looks_.refute_same_place();
+  return 2 * static_cast<size_t>(different) > latest_.size() || appearance_.contradicts_same_place();
 }
 
 DepthConsistency LocationCheck::depths() const {

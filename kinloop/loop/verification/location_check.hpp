@@ -33,12 +33,12 @@ class LocationCheck {
   void add(const LocationEvidence& evidence, bool confident);
 
   /// Adds the look of a frame after the place was confirmed; a few a second are enough.
-  void add_look(double appearance_p_value) { looks_.add({appearance_p_value}); }
+  void add_appearance(double appearance_p_value) { appearance_.add({appearance_p_value}); }
 
   /// Returns whether the camera is elsewhere: the place has another size, the latest frames lie in free
   /// space of the map, or in most of them a part of the view looks different. Also, after it was confirmed,
   /// whether too many frames look different, as those of another floor furnished alike.
-  [[nodiscard]] bool is_refuted() const;
+  [[nodiscard]] bool is_contradicted() const;
 
   /// Returns whether two frames agree with the place; once true, it remains so. Without depth, nothing but
   /// landmarks supports a place: ten frames must be confident.
@@ -47,11 +47,11 @@ class LocationCheck {
  private:
   [[nodiscard]] DepthConsistency depths() const;
   [[nodiscard]] RelativeScale scale() const;
-  [[nodiscard]] bool looks_different() const;
+  [[nodiscard]] bool appearance_contradicts() const;
 
   std::deque<LocationEvidence> latest_;
   int frames_ = 0, confident_frames_ = 0;
-  Looks looks_;
+  AppearanceTally appearance_;
   bool confirmed_ = false;
 };
 

@@ -107,14 +107,14 @@ RelativeScale combine(std::span<const RelativeScale> scales) {
   return {sum / weights, 1 / std::sqrt(weights)};
 }
 
-bool differs_from_one(const RelativeScale& scale, double max_difference) {
+bool contradicts_equal_size(const RelativeScale& scale, double max_difference) {
   constexpr double kSigmas = 3;
   return std::abs(scale.factor - 1) > std::max(max_difference, kSigmas * scale.sigma);
 }
 
-bool refutes_same_place(const RelativeScale& scale) {
+bool contradicts_same_place(const RelativeScale& scale) {
   constexpr double kMaxDifference = 0.02;
-  return differs_from_one(scale, kMaxDifference);
+  return contradicts_equal_size(scale, kMaxDifference);
 }
 
 }  // namespace kinloop

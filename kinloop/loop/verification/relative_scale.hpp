@@ -33,9 +33,9 @@ RelativeScale measure_scale(const TrackingInput& in, const SE3& T_reference_came
 RelativeScale combine(std::span<const RelativeScale> scales);
 
 /// Returns whether a scale differs from 1 by more than its uncertainty (three sigma) and more than the limit.
-bool differs_from_one(const RelativeScale& scale, double max_difference);
+bool contradicts_equal_size(const RelativeScale& scale, double max_difference);
 
 /// Returns whether a scale differs from 1 too much for one place, by 2 %.
-bool refutes_same_place(const RelativeScale& scale);
+bool contradicts_same_place(const RelativeScale& scale);
 
 }  // namespace kinloop

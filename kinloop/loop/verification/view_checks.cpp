@@ -248,7 +248,7 @@ DepthConsistency compare_depths(const View& a, const View& b, const SE3& T_a_b, 
   return depths;
 }
 
-bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio) {
+bool contradicts_free_space(const DepthConsistency& depths, double max_violation_ratio) {
   return depths.free_space_violations > kMaxDepthOutliers &&
          depths.free_space_violations >
              max_violation_ratio * (depths.consistent + depths.free_space_violations);
@@ -258,16 +258,17 @@ double appearance_p_value(const View& a, const View& b, const SE3& T_a_b, const 
   return std::min(one_way_p_value(a, b, T_a_b, camera), one_way_p_value(b, a, T_a_b.inverse(), camera));
 }
 
-void Looks::add(const ViewComparison& comparison) {
+void AppearanceTally::add(const ViewComparison& comparison) {
   constexpr double kMinPValue = 1e-3;
   // Of aligned views of one room, 1 of 325 differ by more, and 1 of 18 in redkitchen from afar.
   constexpr double kMaxScaleDifference = 0.015;
   ++views;
-  if (comparison.appearance_p_value < kMinPValue || differs_from_one(comparison.scale, kMaxScaleDifference))
+  if (comparison.appearance_p_value < kMinPValue ||
+      contradicts_equal_size(comparison.scale, kMaxScaleDifference))
     ++different_views;
 }
 
-bool Looks::refute_same_place() const {
+bool AppearanceTally::contradicts_same_place() const {
   // Of pairs of keyframes in the rooms 100 to 104, at most 4 % look different where the room is the same, 11
   // % where chairs were pushed, and at least 41 % on another floor with the same desks. Of frames that were
   // located in the rooms 101, 103 and 104, none, at most 10 %, and at least 33 %.

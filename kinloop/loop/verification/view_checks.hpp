@@ -34,7 +34,7 @@ DepthConsistency compare_depths(const View& a, const View& b, const SE3& T_a_b, 
 
 /// Returns whether free-space violations exceed one or two outliers and the given ratio of all keypoints,
 /// which is impossible in a scene of solid objects.
-bool violates_free_space(const DepthConsistency& depths, double max_violation_ratio);
+bool contradicts_free_space(const DepthConsistency& depths, double max_violation_ratio);
 
 /// Returns whether a point of a view is on a surface at rest; true if the surfaces are not known.
 bool is_at_rest(const Eigen::Vector3d& p_view, const View& view);
@@ -52,14 +52,14 @@ struct ViewComparison {
 };
 
 /// Counts views that have been compared.
-struct Looks {
+struct AppearanceTally {
   int views = 0;
   int different_views = 0;  ///< by appearance, or by the size of what both show
 
   void add(const ViewComparison& comparison);
 
   /// Returns whether too many views are different for the same place, if there are enough to tell.
-  [[nodiscard]] bool refute_same_place() const;
+  [[nodiscard]] bool contradicts_same_place() const;
 };
 
 }  // namespace kinloop

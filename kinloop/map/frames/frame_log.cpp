@@ -98,8 +98,7 @@ void keep_matches_of(uint32_t component, TrackedFrame& frame, const Map& map) {
 
 }  // namespace
 
-FrameLog with_references_of_own_visit(FrameLog log, const Map& map,
-                                      std::span<const SE3> T_world_keyframe_before) {
+FrameLog rebased_after_split(FrameLog log, const Map& map, std::span<const SE3> T_world_keyframe_before) {
   KeyframeId own;
   for (TrackedFrame& frame : log) {
     if (frame.is_lost()) continue;

@@ -37,8 +37,7 @@ FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSe
 /// reference is not in the component of the visit in which it was tracked (that of the latest keyframe of the
 /// log, or where it was relocalized) becomes relative to that keyframe. Matches of landmarks of another
 /// component are dropped.
-FrameLog with_references_of_own_visit(FrameLog log, const Map& map,
-                                      std::span<const SE3> T_world_keyframe_before);
+FrameLog rebased_after_split(FrameLog log, const Map& map, std::span<const SE3> T_world_keyframe_before);
 
 /// Returns T_world_camera of the frame in the current map. The frame must not be lost.
 SE3 world_pose(const TrackedFrame& entry, const Map& map);

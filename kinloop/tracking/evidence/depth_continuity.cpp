@@ -31,7 +31,7 @@ void DepthContinuity::observe(const Frame& frame, const std::optional<Velocity>&
     return;
   } else {
     compare(frame, velocity, frame.stamp_ns - latest_ns);
-    interval_ns_ = frame.stamp_ns - stamp_ns_;
+    baseline_ns_ = frame.stamp_ns - stamp_ns_;
   }
   surfaces_ = frame.surfaces;
   image_ = frame.octaves.back();
@@ -50,7 +50,7 @@ void DepthContinuity::compare(const Frame& frame, const std::optional<Velocity>&
   const bool is_new =
       has_depth(*frame.surfaces) && surfaces_->inverse_depths_per_m != frame.surfaces->inverse_depths_per_m;
   // Over a gap, the velocity is the mean of an unknown motion.
-  const bool follows_velocity = velocity && to_seconds(interval_ns_) <= kMaxInterval_s;
+  const bool follows_velocity = velocity && to_seconds(baseline_ns_) <= kMaxInterval_s;
   if (is_new && follows_velocity && age_ns_ == 0) {
     constexpr double kSameScale = 0.015;
     factor_ /= scale_step(frame, *velocity).value_or(1);

@@ -41,7 +41,7 @@ class DepthContinuity {
   std::shared_ptr<const SurfaceGrid> surfaces_;  // of the previous frame that was no repeat, as measured
   cv::Mat image_;                                // likewise, the smallest octave
   int64_t stamp_ns_ = 0;                         // likewise
-  int64_t interval_ns_ = 0;                      // between that frame and the one before it
+  int64_t baseline_ns_ = 0;                      // between that frame and the one before it
   int64_t latest_ns_ = 0;                        // of the previous frame, also of a repeat
   int64_t new_depth_ns_ = 0;                     // stamp of the latest frame with new depth
   int64_t age_ns_ = 0;                           // since then, without the time of repeated images

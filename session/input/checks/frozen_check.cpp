@@ -26,7 +26,7 @@ std::vector<Pixel> grid_of(const cv::Mat& image) {
 }
 
 std::optional<InputWarning> warning_of(InputFault fault, const FrozenTimes& times, int64_t first_ns) {
-  const auto all = times.stretches();
+  const auto all = times.intervals();
   if (all.empty()) return std::nullopt;
   double total_s = 0;
   for (const auto& one : all) total_s += one.duration_s();
@@ -45,7 +45,7 @@ std::optional<InputWarning> warning_of(InputFault fault, const FrozenTimes& time
 
 }  // namespace
 
-bool FrozenTimes::Stretch::is_long() const {
+bool FrozenTimes::Interval::is_long() const {
   constexpr double kLong_s = 0.5;
   constexpr int kFewest = 3;
   return duration_s() >= kLong_s && frames >= kFewest;
@@ -61,7 +61,7 @@ void FrozenTimes::add(int64_t from_ns, int64_t to_ns, bool frozen) {
   current_ = {};
 }
 
-std::vector<FrozenTimes::Stretch> FrozenTimes::stretches() const {
+std::vector<FrozenTimes::Interval> FrozenTimes::intervals() const {
   auto all = past_;
   if (current_.is_long()) all.push_back(current_);
   return all;

@@ -17,7 +17,7 @@ class FrozenTimes {
   /// Adds the interval up to a frame; `frozen` is whether its image repeats that of the frame before.
   void add(int64_t from_ns, int64_t to_ns, bool frozen);
 
-  struct Stretch {
+  struct Interval {
     int64_t from_ns = 0, to_ns = 0;
     int frames = 0;
 
@@ -25,11 +25,11 @@ class FrozenTimes {
     [[nodiscard]] bool is_long() const;
   };
 
-  [[nodiscard]] std::vector<Stretch> stretches() const;
+  [[nodiscard]] std::vector<Interval> intervals() const;
 
  private:
-  std::vector<Stretch> past_;  // the long ones
-  Stretch current_;
+  std::vector<Interval> past_;  // the long ones
+  Interval current_;
 };
 
 /// Compares a grid of pixels of each frame with those of the previous frame.

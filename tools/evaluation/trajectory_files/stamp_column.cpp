@@ -78,8 +78,8 @@ std::optional<int64_t> stamp_of(const std::string& text, double value, const Sta
   return is_possible_stamp(stamp_ns) ? std::optional(stamp_ns) : std::nullopt;
 }
 
-/// The first stamp of each stretch in which time does not go back.
-std::vector<size_t> stretches(const std::vector<int64_t>& stamps_ns) {
+/// The first stamp of each interval in which time does not go back.
+std::vector<size_t> intervals(const std::vector<int64_t>& stamps_ns) {
   std::vector<size_t> begins = {0};
   for (size_t i = 1; i < stamps_ns.size(); ++i) {
     if (stamps_ns[i] < stamps_ns[i - 1]) begins.push_back(i);
@@ -87,7 +87,7 @@ std::vector<size_t> stretches(const std::vector<int64_t>& stamps_ns) {
   return begins;
 }
 
-/// Whether lines out of order are long stretches at the same times, as where one run was appended to another.
+/// Whether lines out of order are long intervals at the same times, as where one run was appended to another.
 bool holds_several(const std::vector<int64_t>& stamps_ns, const std::vector<size_t>& begins) {
   constexpr size_t kMinPoses = 10;
   if (begins.size() < 2 || stamps_ns.size() / begins.size() < kMinPoses) return false;
@@ -118,7 +118,7 @@ StampColumn parse_stamps(const std::vector<StampText>& texts, const std::filesys
 
 std::string check_order(const std::vector<int64_t>& stamps_ns, const std::vector<StampText>& texts,
                         const std::filesystem::path& path) {
-  const auto begins = stretches(stamps_ns);
+  const auto begins = intervals(stamps_ns);
   if (holds_several(stamps_ns, begins)) {
     throw_parse_error(
         path, texts[begins[1]].line,

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/final/withdraw_moved.hpp"
+#include "kinloop/back_end/final/erase_moved_landmarks.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -54,7 +54,7 @@ bool has_moved(const Landmark& landmark, const std::vector<KeyframeId>& views, c
 
 }  // namespace
 
-size_t withdraw_moved(Map& map) {
+size_t erase_moved_landmarks(Map& map) {
   std::vector<std::vector<KeyframeId>> views;  // by keyframe
   for (const Keyframe& keyframe : map.keyframes()) views.push_back(views_of_place(map, keyframe));
   std::vector<LandmarkId> moved;

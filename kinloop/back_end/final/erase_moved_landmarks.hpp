@@ -10,6 +10,6 @@ namespace kinloop {
 /// Erases the landmarks through which at least two keyframes saw, and more than found a surface there. Those
 /// that observe a landmark have no say. Landmarks without measured depth stay, and those on things too thin
 /// for the surfaces. Returns how many are erased.
-size_t withdraw_moved(Map& map);
+size_t erase_moved_landmarks(Map& map);
 
 }  // namespace kinloop

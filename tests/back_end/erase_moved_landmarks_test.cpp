@@ -1,4 +1,4 @@
-#include "kinloop/back_end/final/withdraw_moved.hpp"
+#include "kinloop/back_end/final/erase_moved_landmarks.hpp"
 
 #include <utility>
 
@@ -49,7 +49,7 @@ class WithdrawMoved : public testing::Test {
 TEST_F(WithdrawMoved, TakesLandmarksThroughWhichOthersSaw) {
   add_keyframes(1, true), add_keyframes(3, false);
   const LandmarkId on_box = add_landmark(kOnBox), on_wall = add_landmark(kOnWall);
-  EXPECT_EQ(withdraw_moved(map_), 1U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 1U);
   EXPECT_FALSE(map_.contains(on_box));
   EXPECT_TRUE(map_.contains(on_wall));
 }
@@ -57,36 +57,36 @@ TEST_F(WithdrawMoved, TakesLandmarksThroughWhichOthersSaw) {
 TEST_F(WithdrawMoved, OneViewDoesNotDecide) {
   add_keyframes(1, true), add_keyframes(1, false);
   add_landmark(kOnBox);
-  EXPECT_EQ(withdraw_moved(map_), 0U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 0U);
 }
 
 TEST_F(WithdrawMoved, WhatMoreViewsFindThereStays) {
   add_keyframes(5, true), add_keyframes(3, false);
   add_landmark(kOnBox);
-  EXPECT_EQ(withdraw_moved(map_), 0U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 0U);
   add_keyframes(2, false);
-  EXPECT_EQ(withdraw_moved(map_), 1U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 1U);
 }
 
 TEST_F(WithdrawMoved, ThoseThatObserveALandmarkHaveNoSay) {
   add_keyframes(5, true), add_keyframes(3, false);
   const LandmarkId on_box = add_landmark(kOnBox);
   for (uint32_t i = 1; i < 5; ++i) map_.add_observation(on_box, {KeyframeId{i}, kOnBox});
-  EXPECT_EQ(withdraw_moved(map_), 1U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 1U);
 }
 
 TEST_F(WithdrawMoved, ViewsOfOtherPlacesHaveNoSay) {
   add_keyframes(1, true), add_keyframes(3, false, {{1, 0, 0, 0}, {0, 0, -2.5}}, 5.5F);
   add_landmark(kOnBox);
-  EXPECT_EQ(withdraw_moved(map_), 0U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 0U);
   add_keyframes(3, false, {{1, 0, 0, 0}, {0, 0, -1.5}}, 4.5F);
-  EXPECT_EQ(withdraw_moved(map_), 1U) << "from 1.5 m behind";
+  EXPECT_EQ(erase_moved_landmarks(map_), 1U) << "from 1.5 m behind";
 }
 
 TEST_F(WithdrawMoved, ThinThingsStay) {
   add_keyframes(4, false);  // not even the grid of the keyframe that measured it shows the cable
   add_landmark(kOnBox);
-  EXPECT_EQ(withdraw_moved(map_), 0U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 0U);
 }
 
 TEST_F(WithdrawMoved, LandmarksWithoutMeasuredDepthStay) {
@@ -96,13 +96,13 @@ TEST_F(WithdrawMoved, LandmarksWithoutMeasuredDepthStay) {
   add_keyframes(1, true), add_keyframes(3, false);
   features_ = measured;
   add_landmark(kOnBox);
-  EXPECT_EQ(withdraw_moved(map_), 0U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 0U);
 }
 
 TEST_F(WithdrawMoved, IsPossibleWithoutSurfaces) {
   for (uint32_t i = 0; i < 4; ++i) map_.add_keyframe(FrameId{i}, i, SE3{}, features_, 0);
   add_landmark(kOnBox);
-  EXPECT_EQ(withdraw_moved(map_), 0U);
+  EXPECT_EQ(erase_moved_landmarks(map_), 0U);
 }
 
 }  // namespace
