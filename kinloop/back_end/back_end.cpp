@@ -6,28 +6,22 @@ namespace kinloop {
 
 BackEnd::BackEnd(Map& map, const SensorEstimate& nominal, const BackEndOptions& options, IsAliased is_aliased)
     : map_(map),
-      verification_{LoopVerificationJob(options)},
-      decision_{LoopDecisionJob(options, std::move(is_aliased))},
-      correction_{LoopCorrectionJob(options)},
-      join_check_{JoinCheckJob(options)},
-      global_ba_{GlobalBaJob(options)},
-      local_ba_{LocalBaJob(options)},
-      self_calibration_{SelfCalibrationJob(nominal, options)},
+      slots_{{LoopVerificationJob(options)},
+             {LoopDecisionJob(options, std::move(is_aliased))},
+             {LoopCorrectionJob(options)},
+             {JoinCheckJob(options)},
+             {GlobalBaJob(options)},
+             {LocalBaJob(options)},
+             {SelfCalibrationJob(nominal, options)}},
       executor_(make_executor(options.executor)) {}
 
 void BackEnd::submit(FrameId now, const JobContext& context) {
-  submit(verification_, now, context);
-  submit(decision_, now, context);
-  submit(correction_, now, context);  // before jobs that wait for it
-  submit(join_check_, now, context);
-  submit(global_ba_, now, context);
-  submit(local_ba_, now, context);
-  submit(self_calibration_, now, context);
+  std::apply([&](auto&... slot) { (submit(slot, now, context), ...); }, slots_);
 }
 
 AppliedResults BackEnd::apply_due(FrameId now) {
   complete(executor_->collect(now));
-  if (std::exchange(loops_corrected_, false)) global_ba_.kind.request();
+  if (std::exchange(loops_corrected_, false)) job<GlobalBaJob>().request();
   return std::exchange(results_, {});
 }
 
@@ -39,19 +33,19 @@ AppliedResults BackEnd::apply_remaining(const JobContext& context) {
 
 AppliedResults BackEnd::apply_last(const JobContext& context) {
   solve_remaining(context);
-  take(decision_.kind.finish(map_));
+  take(job<LoopDecisionJob>().finish(map_));
   solve_remaining(context);
-  take(join_check_.kind.finish(map_));
+  take(job<JoinCheckJob>().finish(map_));
   return apply_remaining(context);
 }
 
 /// Finishes the jobs in flight and those that are due because of loops.
 void BackEnd::solve_remaining(const JobContext& context) {
   complete(executor_->drain());
-  solve_now(verification_, context);
-  while (decision_.kind.is_due(context)) solve_now(decision_, context);
-  solve_now(correction_, context);
-  solve_now(join_check_, context);
+  solve_now<LoopVerificationJob>(context);
+  while (job<LoopDecisionJob>().is_due(context)) solve_now<LoopDecisionJob>(context);
+  solve_now<LoopCorrectionJob>(context);
+  solve_now<JoinCheckJob>(context);
 }
 
 template <class Kind>
@@ -67,7 +61,8 @@ void BackEnd::submit(Slot<Kind>& slot, FrameId now, const JobContext& context) {
 }
 
 template <class Kind>
-void BackEnd::solve_now(Slot<Kind>& slot, const JobContext& context) {
+void BackEnd::solve_now(const JobContext& context) {
+  auto& slot = std::get<Slot<Kind>>(slots_);
   if (!slot.stale && !slot.kind.is_due(context)) return;
   slot.stale = false;
   apply(slot, Kind::solve(slot.kind.make_problem(context)));
@@ -86,11 +81,11 @@ void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
 }
 
 void BackEnd::take(AppliedSolution applied) {
-  if (!applied.verified.empty()) take(decision_.kind.add(map_, applied.verified));
+  if (!applied.verified.empty()) take(job<LoopDecisionJob>().add(map_, applied.verified));
   results_.map_changed |= applied.map_changed;
   loops_corrected_ |= applied.loops_corrected;
-  if (!applied.contradicted_joins.empty()) decision_.kind.record_contradicted(applied.contradicted_joins);
-  if (applied.loops_added) correction_.kind.add(applied.merges);
+  if (!applied.contradicted_joins.empty()) job<LoopDecisionJob>().record_contradicted(applied.contradicted_joins);
+  if (applied.loops_added) job<LoopCorrectionJob>().add(applied.merges);
   if (applied.sensor) results_.sensor = std::move(applied.sensor);
   if (results_.T_world_keyframe_before.empty())
     results_.T_world_keyframe_before = std::move(applied.T_world_keyframe_before);
@@ -108,8 +103,7 @@ bool BackEnd::global_correction_in_flight() const {
   const auto in_flight = [this]<class Kind>(const Slot<Kind>& /*slot*/) {
     return Kind::kMovesWholeMap && executor_->busy(Kind::kName);
   };
-  return in_flight(verification_) || in_flight(decision_) || in_flight(correction_) ||
-         in_flight(global_ba_) || in_flight(local_ba_) || in_flight(self_calibration_);
+  return std::apply([&](const auto&... slot) { return (in_flight(slot) || ...); }, slots_);
 }
 
 }  // namespace kinloop

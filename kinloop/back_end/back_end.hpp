@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "kinloop/back_end/executor.hpp"
@@ -43,14 +44,14 @@ class BackEnd {
   BackEnd& operator=(const BackEnd&) = delete;
 
   /// Adds loop hypotheses. Those that are verified and agree are added to the map, which is then corrected.
-  void add(LoopVerificationProblem hypotheses) { verification_.kind.add(std::move(hypotheses)); }
+  void add(LoopVerificationProblem hypotheses) { job<LoopVerificationJob>().add(std::move(hypotheses)); }
 
   /// Says that the camera was falsely located in the component of this keyframe: loops join it later.
-  void require_more_evidence(KeyframeId place) { decision_.kind.require_more_evidence(place); }
+  void require_more_evidence(KeyframeId place) { job<LoopDecisionJob>().require_more_evidence(place); }
 
   /// Records the first keyframe of a component and the last trusted pose before it, see LoopHypotheses.
   void add_beginning(KeyframeId first, const TrustedPose& before) {
-    decision_.kind.add_beginning(first, before);
+    job<LoopDecisionJob>().add_beginning(first, before);
   }
 
   /// Submits the jobs due at frame `now`.
@@ -74,9 +75,13 @@ class BackEnd {
   };
 
   template <class Kind>
+  [[nodiscard]] Kind& job() {
+    return std::get<Slot<Kind>>(slots_).kind;
+  }
+  template <class Kind>
   void submit(Slot<Kind>& slot, FrameId now, const JobContext& context);
   template <class Kind>
-  void solve_now(Slot<Kind>& slot, const JobContext& context);
+  void solve_now(const JobContext& context);
   template <class Kind>
   void apply(Slot<Kind>& slot, typename Kind::Solution solution);
   void solve_remaining(const JobContext& context);
@@ -85,13 +90,10 @@ class BackEnd {
   [[nodiscard]] bool global_correction_in_flight() const;
 
   Map& map_;
-  Slot<LoopVerificationJob> verification_;
-  Slot<LoopDecisionJob> decision_;
-  Slot<LoopCorrectionJob> correction_;
-  Slot<JoinCheckJob> join_check_;
-  Slot<GlobalBaJob> global_ba_;
-  Slot<LocalBaJob> local_ba_;
-  Slot<SelfCalibrationJob> self_calibration_;
+  /// In the order of submission: loop correction before the jobs that wait for it.
+  std::tuple<Slot<LoopVerificationJob>, Slot<LoopDecisionJob>, Slot<LoopCorrectionJob>, Slot<JoinCheckJob>,
+             Slot<GlobalBaJob>, Slot<LocalBaJob>, Slot<SelfCalibrationJob>>
+      slots_;
   AppliedResults results_;              // since they were last returned
   bool loops_corrected_ = false;        // by `results_`
   std::unique_ptr<Executor> executor_;  // last member: its jobs end before the rest is destroyed
