@@ -101,7 +101,7 @@ Moment::FaceLookup Moment::look_up_face(const Primitive& solid, const SurfacePoi
   const float density =
       std::max(lookup.u_span * static_cast<float>(lookup.texture->width()) / point.width_m,
                lookup.v_span * static_cast<float>(lookup.texture->height()) / point.height_m);
-  // A slanted surface intervals the footprint in one direction only; scaling it by the square root is a
+  // A slanted surface stretches the footprint in one direction only; scaling it by the square root is a
   // compromise between blur along and aliasing across.
   constexpr float kMinCosine = 0.04F;
   lookup.footprint_px = density * footprint_m / std::sqrt(std::max(cosine, kMinCosine));
