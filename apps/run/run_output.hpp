@@ -12,9 +12,9 @@
 #include "apps/run/summary/run_summary.hpp"
 #include "apps/run/summary/run_warnings.hpp"
 #include "kinloop/core/files/file_lock.hpp"
-#include "kinloop/io/run_folder.hpp"
 #include "session/session.hpp"
 #include "session/store/map_store.hpp"
+#include "session/store/run_files.hpp"
 
 namespace kinloop {
 
