@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/build_api_docs.sh
 /usr/bin/python3 scripts/stage_docs.py build/docs build/api/html
 /usr/bin/python3 scripts/python_reference.py build/release/python >build/docs/python_reference.md
-/usr/bin/mkdocs build --strict --clean --quiet
+/usr/bin/mkdocs build --config-file docs/mkdocs.yml --strict --clean --quiet
 /usr/bin/python3 scripts/check_links.py build/site
 /usr/bin/python3 scripts/check_documents.py build/release/apps/kinloop
 echo "Documentation: $PWD/build/site/index.html"

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Copies the pages of the documentation site into a folder: docs/, CONTRIBUTING.md, CHANGELOG.md, the C++ reference.
+"""Copies the pages of the documentation site into a folder: docs/ without its journals, CONTRIBUTING.md, the C++ reference.
 
-Links from docs/ to a file of the project become links to a copy of it in files/, and links to headings of Doxygen's
-main page become links to the reference.
+Links from docs/ to a file of the project become links to a copy of it in files/. Journals (docs/lab) are named, not linked.
+The places of the pages that name a reference become links to it.
 
 Usage: stage_docs.py FOLDER [API_HTML]
 """
@@ -12,24 +12,34 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-ROOT_PAGES = ("CONTRIBUTING.md", "CHANGELOG.md")
-LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?\)")
+DOCS = ROOT / "docs"
+CONTRIBUTING = ROOT / ".github" / "CONTRIBUTING.md"
+NOT_STAGED = ("*.md", "Doxyfile", "reference.dox", "mkdocs.yml", "lab")
+LINK = re.compile(r"\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
+READABLE = (".md", ".txt", ".png", ".jpg", ".svg")
+# Page, what it says, and where that leads in the site.
+REFERENCES = {
+    "architecture.md": ("the reference of all headers", "api/index.html"),
+    "python.md": ("reference of the package", "python_reference.md"),
+}
 
 
 def moved(target, folder, staging):
-    """Where the link `target` of a page in `folder` (docs or the root) leads in the site."""
+    """Where the link `target` of a page in `folder` (docs or .github) leads in the site; None for a journal."""
     if re.match(r"[a-z]+:", target):
         return target
     file = (folder / target).resolve()
     if not file.is_relative_to(ROOT):
         return target
-    name = file.relative_to(ROOT).as_posix()
-    if name.startswith("docs/"):
-        return name[len("docs/"):]
-    if name in ROOT_PAGES:
-        return name
+    if file == CONTRIBUTING:
+        return file.name
+    if file.is_relative_to(DOCS / "lab"):
+        return None
+    if file.is_relative_to(DOCS):
+        return file.relative_to(DOCS).as_posix()
     if file.is_file():
-        copy = staging / "files" / (name if file.suffix in (".md", ".txt", ".png", ".jpg", ".svg") else name + ".txt")
+        name = file.relative_to(ROOT).as_posix()
+        copy = staging / "files" / (name if file.suffix in READABLE else name + ".txt")
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(file, copy)
         return copy.relative_to(staging).as_posix()
@@ -37,13 +47,27 @@ def moved(target, folder, staging):
 
 
 def stage_page(page, staging):
-    text = LINK.sub(lambda m: f"{m[1]}{moved(m[2], page.parent, staging)}{m[3] or ''})", page.read_text())
-    (staging / page.name).write_text(text)
+    def link(match):
+        target = moved(match[2], page.parent, staging)
+        if target is None:
+            return f"{match[1]} `docs/{match[2]}`"
+        return f"[{match[1]}]({target}{match[3] or ''})"
+
+    (staging / page.name).write_text(LINK.sub(link, page.read_text()))
 
 
-def link_reference(staging):
-    """Names like kinloop::Session in api.md become links into the reference, as Doxygen makes them."""
-    page = staging / "api.md"
+def link_references(staging):
+    for name, (words, target) in REFERENCES.items():
+        page = staging / name
+        text = page.read_text()
+        if words not in text:
+            sys.exit(f"{name}: expected '{words}', to be linked to {target}")
+        page.write_text(text.replace(words, f"[{words}]({target})", 1))
+
+
+def link_classes(staging):
+    """Names like kinloop::Session in the table of architecture.md become links into the reference, as Doxygen makes them."""
+    page = staging / "architecture.md"
 
     def link(match):
         for kind in ("class", "struct"):
@@ -52,20 +76,20 @@ def link_reference(staging):
                 return f"[kinloop::{match[1]}](<{file}>)"
         return f"`kinloop::{match[0][len('kinloop::'):]}`"
 
-    text = re.sub(r"(?<![`:\w])kinloop::(\w+)(?!\w|::)(?=[,| ])|(?<![`:\w])kinloop::\w+::\w+", link, page.read_text())
-    page.write_text(text + "\n[The complete reference](api/index.html), made by Doxygen from the headers.\n")
+    page.write_text(re.sub(r"(?<![`:\w])kinloop::(\w+)(?!\w|::)(?=[,| ])|(?<![`:\w])kinloop::\w+::\w+", link, page.read_text()))
 
 
 def main():
     staging = Path(sys.argv[1]).resolve()
     shutil.rmtree(staging, ignore_errors=True)
-    shutil.copytree(ROOT / "docs", staging, ignore=shutil.ignore_patterns("*.md", "Doxyfile"))
+    shutil.copytree(DOCS, staging, ignore=shutil.ignore_patterns(*NOT_STAGED))
     if len(sys.argv) > 2:
         shutil.copytree(sys.argv[2], staging / "api")
-    for page in [*sorted((ROOT / "docs").glob("*.md")), *(ROOT / name for name in ROOT_PAGES)]:
+    for page in [*sorted(DOCS.glob("*.md")), CONTRIBUTING]:
         stage_page(page, staging)
     if len(sys.argv) > 2:
-        link_reference(staging)
+        link_classes(staging)
+        link_references(staging)
 
 
 if __name__ == "__main__":
