@@ -1,4 +1,4 @@
-// Makes the pictures of docs/paper.md from the folder of `kinloop reproduce`; see make_pictures.sh.
+// Makes the pictures of docs/lab/paper.md from the folder of `kinloop reproduce`; see make_pictures.sh.
 
 import { copyFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
