@@ -60,7 +60,7 @@ Examples:
 
 
 def add_suite_arguments(parser):
-    parser.add_text("SUITE", "YAML file of sequences and variants; see docs/batch.md")
+    parser.add_text("SUITE", "YAML file of sequences and variants; see docs/evaluation.md")
     parser.add_option("-o", "--output", metavar="DIR", default="results", text="folder of the results")
     parser.add_option("--program", metavar="FILE", text="another kinloop to run (default: this one)")
 
