@@ -23,7 +23,7 @@ MAX_MEDIAN_M, MAX_95_M = 0.015, 0.06  # voxels of 10 mm, single depth images aga
 
 
 def cloud_of_images(folder):
-    """The cloud of all depth images in their poses, as docs/open3d.md tells."""
+    """The cloud of all depth images in their poses, as docs/other_programs.md tells."""
     scene = json.loads((folder / "transforms.json").read_text())
     camera = o3d.camera.PinholeCameraIntrinsic(scene["w"], scene["h"], scene["fl_x"], scene["fl_y"],
                                                scene["cx"] - 0.5, scene["cy"] - 0.5)
