@@ -1,4 +1,4 @@
-// kinloop features: compares SIFT, SURF and ORB (Table 1 and Figs. 3 and 4 of the paper, see docs/paper.md).
+// kinloop features: compares SIFT, SURF and ORB (Table 1, Figs. 3 and 4 of the paper: docs/lab/paper.md).
 
 #include <algorithm>
 #include <array>

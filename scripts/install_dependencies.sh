@@ -157,6 +157,6 @@ fi
 g2o_state="left out"
 if ! $minimal; then
   g2o_state="installed (sources in build/g2o)"
-  "$(dirname "${BASH_SOURCE[0]}")/install_g2o.sh" || g2o_state="off: its sources could not be fetched (see above); nothing depends on it: docs/optimize.md"
+  "$(dirname "${BASH_SOURCE[0]}")/install_g2o.sh" || g2o_state="off: its sources could not be fetched (see above); nothing depends on it: docs/method.md"
 fi
 print_table

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 using test::kBadInput;
 using test::kWrongUse;
 
-/// A file of ORB descriptors (docs/place.md) of `images` images with `per_image` random descriptors each.
+/// A file of ORB descriptors (docs/method.md) of `images` images with `per_image` random descriptors each.
 std::string descriptor_file(uint32_t images, uint32_t per_image) {
   const auto number = [](uint64_t value, size_t bytes) {
     std::string text;

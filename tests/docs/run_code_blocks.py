@@ -23,7 +23,7 @@ MAX_STILLS = 12
 
 # Names of the pages, and what they stand for.
 RECORDINGS = ["RECORDING", "SEQUENCE", "FIRST", "SECOND", "MORE", "IMAGES", "OTHER", "PHOTOS", "vocabulary_images", "redkitchen",
-              "rgbd_dataset_freiburg1_desk"]
+              "rgbd_dataset_freiburg1_desk", "rgbd_dataset_freiburg1_rpy"]
 # Lines that run on less than they say: minutes would become hours, and ports of this machine may be taken.
 SHORTER = [
     (r"\bsim:room\b", "RECORDING"),

@@ -18,7 +18,7 @@ using test::input_error;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The format as described in docs/place.md.
+// The format as described in docs/method.md.
 constexpr size_t kHeaderBytes = 48, kChecksumOffset = 40;
 
 using test::with_vocabulary_checksum;

@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr uint64_t kValuesSeed = 42;  // not one of docs/recordings.md
+constexpr uint64_t kValuesSeed = 42;  // not one of docs/lab/recordings.md
 
 const Recording& kinect_room() {
   static const Recording recording = test::simulated(SimulatedSensor::kKinect1, kValuesSeed, 12, 25);

@@ -38,7 +38,7 @@ class FramesSource : public FrameSource {
   size_t next_ = 0;
 };
 
-/// Six seconds in a room, of a seed that is not in docs/recordings.md.
+/// Six seconds in a room, of a seed that is not in docs/lab/recordings.md.
 const FramesSource& room() {
   static const FramesSource source = [] {
     SimulationOptions options;

@@ -20,7 +20,7 @@ using test::with_depth;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// The seeds are not those of docs/recordings.md, on which the thresholds were chosen.
+/// The seeds are not those of docs/lab/recordings.md, on which the thresholds were chosen.
 constexpr uint64_t kSeed = 41;
 
 const Recording& room() {

@@ -1,5 +1,5 @@
 #pragma once
-// The checksum of vocabulary files as described in docs/place.md, implemented independently.
+// The checksum of vocabulary files as described in docs/method.md, implemented independently.
 
 #include <bit>
 #include <cstdint>

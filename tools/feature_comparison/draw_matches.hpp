@@ -1,6 +1,6 @@
 #pragma once
 // In: two images and the matches between them. Out: a picture like Figs. 3 and 4 of the paper
-// (docs/paper.md).
+// (docs/lab/paper.md).
 
 #include <string>
 #include <vector>

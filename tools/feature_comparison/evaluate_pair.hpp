@@ -1,7 +1,7 @@
 #pragma once
 // In: the keypoints of two images of the same place, and the true pixels of the first one's keypoints in the
-// second. Out: the number of matches, of those that pass the distance filter of the paper (docs/paper.md) and
-// RANSAC, and the repeatability of keypoints.
+// second. Out: the number of matches, of those that pass the distance filter of the paper (docs/lab/paper.md)
+// and RANSAC, and the repeatability of keypoints.
 
 #include <functional>
 #include <optional>

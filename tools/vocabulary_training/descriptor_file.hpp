@@ -1,6 +1,6 @@
 #pragma once
 // Descriptors of many images in one file (.kindesc), computed once and used for several trainings, or for
-// more data than fits into memory. docs/place.md describes the format.
+// more data than fits into memory. docs/method.md describes the format.
 
 #include <filesystem>
 #include <fstream>

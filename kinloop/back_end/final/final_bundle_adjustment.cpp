@@ -9,7 +9,7 @@ namespace {
 
 // Errors of neighbouring keyframes are correlated (slope of depth, delay, what is left of the sensor's
 // faults): the poses take up what they share, so the residuals do not show it. Learned on simulated sequences
-// with seeds 100, 105, 106 and 109 (docs/measurements.md#consistency-of-the-covariances).
+// with seeds 100, 105, 106 and 109 (docs/lab/measurements.md#consistency-of-the-covariances).
 constexpr double kKeyframesPerIndependent = 3;
 
 }  // namespace

@@ -87,7 +87,7 @@ ComparedJoins compare_rooms(const JoinProblem& problem) {
 }
 
 bool contradicts_same_room(const RoomComparison& comparison) {
-  constexpr double kMaxViolations = 0.02;  // of all keypoints, see docs/place.md; edges of depth cause some
+  constexpr double kMaxViolations = 0.02;  // of all keypoints (docs/lab/place.md); edges of depth cause some
   return comparison.appearance.contradicts_same_place() ||
          contradicts_free_space(comparison.depths, kMaxViolations);
 }

@@ -10,7 +10,7 @@ namespace {
 // The variance that a keyframe adds is this many times that of its pose given the landmarks: the errors of
 // successive keyframes are correlated (the same landmarks, a sensor that is not calibrated yet), and so grow
 // faster than those of a random walk. Learned on simulated sequences with seeds 100 to 103
-// (docs/measurements.md#consistency-of-the-covariances).
+// (docs/lab/measurements.md#consistency-of-the-covariances).
 constexpr double kDriftFactor = 5;
 constexpr double kScatterFrames = 15;  // half a second
 

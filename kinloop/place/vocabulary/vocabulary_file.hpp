@@ -1,5 +1,5 @@
 #pragma once
-// In: a vocabulary. Out: its file, and back. docs/place.md describes the format (.kinvoc).
+// In: a vocabulary. Out: its file, and back. docs/method.md describes the format (.kinvoc).
 
 #include <filesystem>
 #include <memory>

@@ -20,7 +20,7 @@ constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of un
 constexpr double kDefaultTurnRate_rad_s = 1.0;
 constexpr double kMaxAcceleration_m_s2 = 10;  // of a hand that holds a camera
 
-// Of the prior, learned on the simulated rooms 101 to 105 (docs/measurements.md#the-motion-before). The
+// Of the prior, learned on the simulated rooms 101 to 105 (docs/lab/measurements.md#the-motion-before). The
 // velocity is a random walk, whose variance grows by this per second.
 constexpr double kRandomWalk_m2_s3 = 1, kRandomWalk_rad2_s3 = 5;
 // The landmarks of two frames are not the same, and have been adjusted in between (1 sigma).

@@ -1,4 +1,4 @@
-// The trajectory in top and side view, over ground truth (Fig. 7b and 7c of docs/paper.md).
+// The trajectory in top and side view, over ground truth (Fig. 7b and 7c of docs/lab/paper.md).
 
 import { dot, line, link } from '@observablehq/plot';
 

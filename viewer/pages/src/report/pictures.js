@@ -1,4 +1,4 @@
-// Pictures: the map (Fig. 7a of docs/paper.md), and the detected loops, with what became of each.
+// Pictures: the map (Fig. 7a of docs/lab/paper.md), and the detected loops, with what became of each.
 
 import { LOOP_STATUSES, reasonText, scaleText } from '../shared/loops.js';
 import { element, figure, row, section, table } from './page.js';
