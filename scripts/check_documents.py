@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Checks that every kinloop command line in the documents names commands and options that exist.
+"""Checks that every kinloop command line in the documents names commands and options that exist, and that every page that
+a file of the project names exists (check_references.py).
 
-Usage: check_documents.py KINLOOP [FILE.md...]     (default: README.md, CONTRIBUTING.md, docs/*.md)
+Usage: check_documents.py KINLOOP [FILE.md...]     (default: README.md, .github/CONTRIBUTING.md, docs/*.md, the references)
 """
 import re
 import sys
 from pathlib import Path
 
+import check_references
 from command_help import read_commands, read_options
 
 ROOT = Path(__file__).resolve().parent.parent
-# Tables of mistakes and notes on what was are no instructions.
-MISTAKES = re.compile(r"^\| `.*\| [23] \|")
 
 
 def code_lines(text):
@@ -22,7 +22,7 @@ def code_lines(text):
             fenced = not fenced
         elif fenced or line.startswith("    "):
             yield number, line
-        elif not MISTAKES.match(line):
+        else:
             for code in re.findall(r"`([^`]+)`", line):
                 if re.match(r"(\S*/)?kinloop \S", code):
                     yield number, code
@@ -81,7 +81,7 @@ def main():
     program_path = sys.argv[1]
     program = read_commands(program_path)
     keys = all_keys(program_path, program)
-    files = [Path(name) for name in sys.argv[2:]] or [ROOT / "README.md", ROOT / "CONTRIBUTING.md",
+    files = [Path(name) for name in sys.argv[2:]] or [ROOT / "README.md", ROOT / ".github" / "CONTRIBUTING.md",
                                                       *sorted((ROOT / "docs").glob("*.md"))]
     checked, wrong = 0, 0
     for file in files:
@@ -100,7 +100,8 @@ def main():
                     print(f"{file}: no option {name}")
                     wrong += 1
     print(f"{checked} command lines and options checked, {wrong} wrong")
-    return 1 if wrong or not checked else 0
+    dead = check_references.check()[1] if not sys.argv[2:] else 0
+    return 1 if wrong or dead or not checked else 0
 
 
 if __name__ == "__main__":
