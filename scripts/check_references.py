@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that every page that a file of the project names exists, with its heading: `docs/lab/README.md` or `docs/PAGE#heading` in sources,
-scripts and tests, and the links of Markdown pages to files and headings.
+"""Checks that what a file of the project names exists: pages with their headings (`docs/lab/README.md`), in sources, scripts
+and tests; links of Markdown pages to files and headings; and files in `code` of the pages for users.
 
 Usage: check_references.py
 """
@@ -15,6 +15,8 @@ NOT_OURS = {"build", "node_modules", ".git", "__pycache__", "corpus"}
 TEXT = {"", ".cpp", ".hpp", ".in", ".py", ".pyi", ".sh", ".js", ".mjs", ".html", ".css", ".md", ".dox", ".cmake", ".txt",
         ".yml", ".yaml", ".toml", ".xml", ".json"}  # fmt: skip
 MENTION = re.compile(r"(?<![\w/.-])((?:docs|\.github)/[\w./-]+\.md)(#[\w-]+)?")
+PATH = re.compile(r"(?:\.ci|apps|bench|cmake|dense|docs|drivers|kinloop|python|ros|scripts|session|simulator|tests|tools|viewer)/[\w./-]+")
+MADE_UP = re.compile(r"my|mine")  # names of the recipes
 LINK = re.compile(r"\]\(([^)\s#]*)(#[^)\s]*)?\)")
 
 
@@ -71,6 +73,10 @@ def references(path, text):
             for target, anchor in LINK.findall(re.sub(r"`[^`]*`", "", line)):
                 if not re.match(r"[a-z]+:|<", target):
                     yield number, (path.parent / target).resolve() if target else path, anchor
+            if path.parent.name != "lab" and path.name != "CHANGELOG.md":
+                for code in re.findall(r"`([^`]+)`", line):
+                    if PATH.fullmatch(code) and not MADE_UP.search(code):
+                        yield number, ROOT / code, ""
     for number, line in enumerate(text.splitlines(), 1):
         for name, anchor in MENTION.findall(line):
             yield number, ROOT / name, anchor

@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 CONTRIBUTING = ROOT / ".github" / "CONTRIBUTING.md"
-NOT_STAGED = ("*.md", "Doxyfile", "reference.dox", "mkdocs.yml", "lab")
+NOT_STAGED = ("*.md", "Doxyfile", "reference.dox", "mkdocs.yml", "lab", "examples")
 LINK = re.compile(r"\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
 READABLE = (".md", ".txt", ".png", ".jpg", ".svg")
 # Page, what it says, and where that leads in the site.
@@ -35,7 +35,7 @@ def moved(target, folder, staging):
         return file.name
     if file.is_relative_to(DOCS / "lab"):
         return None
-    if file.is_relative_to(DOCS):
+    if file.is_relative_to(DOCS) and not file.is_relative_to(DOCS / "examples"):
         return file.relative_to(DOCS).as_posix()
     if file.is_file():
         name = file.relative_to(ROOT).as_posix()
