@@ -18,7 +18,7 @@ add_subdirectory)  # without g2o, which is faster
   ;;
 fetch_content)
   # What a release's archive holds: the tracked files as they are now, without the tests.
-  tar -cf "$work/kinloop.tar" -C "$source" --exclude=node_modules CMakeLists.txt LICENSE cmake kinloop dense \
+  tar -cf "$work/kinloop.tar" -C "$source" --exclude=node_modules CMakeLists.txt LICENSE scripts/cmake kinloop dense \
     drivers session simulator tools viewer
   arguments+=("-DKINLOOP_SOURCE=$work/kinloop.tar" -DKINLOOP_MINIMAL=ON)
   ;;

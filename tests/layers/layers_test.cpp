@@ -16,7 +16,7 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 TEST(Layers, ProjectHasNoViolations) {
-  const auto rows = read_layers(source_folder() / "cmake/layers.txt");
+  const auto rows = read_layers(source_folder() / "scripts/cmake/layers.txt");
   ASSERT_THAT(rows, SizeIs(testing::Ge(19)));
   EXPECT_THAT(layer_violations(rows), IsEmpty());
   EXPECT_THAT(include_violations(source_folder(), rows), IsEmpty());

@@ -1,11 +1,11 @@
-# Declaration of the project's libraries and tests. cmake/layers.txt says what each module may include; modules link
+# Declaration of the project's libraries and tests. scripts/cmake/layers.txt says what each module may include; modules link
 # exactly that.
 file(STRINGS ${CMAKE_CURRENT_LIST_DIR}/layers.txt KINLOOP_LAYERS REGEX "^[a-z]")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/layers.txt)
 
 # kinloop_module([LIBRARIES target...])
 # The static library kinloop_<name>, alias kinloop::<name>, from all sources in the current folder, whose last
-# path component is the name. It links the modules that cmake/layers.txt lists and the external LIBRARIES.
+# path component is the name. It links the modules that scripts/cmake/layers.txt lists and the external LIBRARIES.
 function(kinloop_module)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
@@ -13,7 +13,7 @@ function(kinloop_module)
   set(row ${KINLOOP_LAYERS})
   list(FILTER row INCLUDE REGEX "^${folder}:")
   if(NOT row)
-    message(FATAL_ERROR "${folder} has no row in cmake/layers.txt")
+    message(FATAL_ERROR "${folder} has no row in scripts/cmake/layers.txt")
   endif()
   string(REGEX REPLACE "^[^:]*: *" "" modules "${row}")
   string(REPLACE " " ";" modules "${modules}")

@@ -23,7 +23,7 @@ endif()
 install(DIRECTORY kinloop dense drivers simulator tools session DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/kinloop
         FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT kinloopTargets NAMESPACE kinloop:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
-configure_package_config_file(cmake/kinloopConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake
+configure_package_config_file(scripts/cmake/kinloopConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/kinloopConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/kinloop)
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/kinloopConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
