@@ -40,10 +40,10 @@ struct MapRecordingRequest {
 };
 
 /// Returns those of `views` that belong to the session, in order of time.
-std::vector<StampedImage> session_images(std::span<const TrackedFrame> session, const OpenMap& open,
+std::vector<StampedImage> session_images(std::span<const LoggedFrame> session, const OpenMap& open,
                                          std::span<const PosedImage> views) {
   std::unordered_map<FrameId, int64_t> stamp_of;
-  for (const TrackedFrame& entry : session) stamp_of.emplace(entry.id, entry.stamp_ns);
+  for (const LoggedFrame& entry : session) stamp_of.emplace(entry.id, entry.stamp_ns);
   std::vector<StampedImage> images;
   for (const PosedImage& view : views) {
     const auto stamp = stamp_of.find(open.recorder.frame_of_image(view.image));

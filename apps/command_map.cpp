@@ -31,7 +31,7 @@ json sessions_json(const SavedMap& saved) {
   for (size_t i = 0; i < saved.sessions.size(); ++i) {
     const FrameId begin = saved.sessions[i].first_frame;
     const FrameId end = i + 1 < saved.sessions.size() ? saved.sessions[i + 1].first_frame : FrameId{};
-    const auto in_session = [&](const TrackedFrame& f) { return f.id >= begin && f.id < end; };
+    const auto in_session = [&](const FrameRecord& f) { return f.id >= begin && f.id < end; };
     sessions.push_back({{"input", saved.sessions[i].input},
                         {"frames", std::count_if(saved.frames.begin(), saved.frames.end(), in_session)}});
   }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kMaxInterval_s = 1;
 constexpr double kOnlyFrame_s = 1.0 / 30;
 
-FrameTrust trust_of(const TrackedFrame& entry, uint32_t component, const Map& map) {
+FrameTrust trust_of(const LoggedFrame& entry, uint32_t component, const Map& map) {
   if (entry.is_lost()) return FrameTrust::kLost;
   if (!is_tracked_in(component, entry, map)) return FrameTrust::kElsewhere;
   return entry.doubtful ? FrameTrust::kDoubtful : FrameTrust::kTrusted;
@@ -111,12 +111,12 @@ Verdict verdict_on(double share_of_time) {
 
 }  // namespace
 
-std::vector<JudgedFrame> judged_frames(std::span<const TrackedFrame> log, const Map& map) {
+std::vector<JudgedFrame> judged_frames(std::span<const LoggedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
   std::vector<JudgedFrame> frames;
-  for (const TrackedFrame& entry : log) {
-    frames.push_back({entry.stamp_ns, trust_of(entry, component, map), entry.evidence.fixed_share,
-                      entry.evidence.moved_share, entry.evidence.depth_factor});
+  for (const LoggedFrame& entry : log) {
+    frames.push_back({entry.stamp_ns, trust_of(entry, component, map), entry.evidence.input.fixed_share,
+                      entry.evidence.moved_share, entry.evidence.input.depth_factor});
   }
   return frames;
 }

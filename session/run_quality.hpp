@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kinloop/map/frames/tracked_frame.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 
 namespace kinloop {
@@ -40,7 +40,7 @@ struct RunQuality {
 };
 
 /// Returns the frames of a log in the form to be judged.
-std::vector<JudgedFrame> judged_frames(std::span<const TrackedFrame> log, const Map& map);
+std::vector<JudgedFrame> judged_frames(std::span<const LoggedFrame> log, const Map& map);
 
 /// Returns the verdict: good if less than 0.5 % of the time is in doubt or lost, bad if over 20 % is, or if
 /// there are no frames; else doubtful. The frames must be in order of time.

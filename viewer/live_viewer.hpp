@@ -38,7 +38,7 @@ class LiveViewer {
   void set_hints(std::vector<std::string> hints);
 
   /// Shows the final path.
-  void finish(std::span<const TrackedFrame> log, const Map& map) { feed_.on_finish(log, map); }
+  void finish(std::span<const LoggedFrame> log, const Map& map) { feed_.on_finish(log, map); }
 
   /// Sets what is known of the sensor, as it was estimated along with the poses.
   void set_sensor(const SensorEstimate& sensor);

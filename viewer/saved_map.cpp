@@ -10,7 +10,7 @@ bool is_map_file(const std::filesystem::path& path) {
   return path.extension() == std::filesystem::path(kMapFileName).extension();
 }
 
-void add_map(SavedRun& run, std::span<const TrackedFrame> session, const Map& map) {
+void add_map(SavedRun& run, std::span<const LoggedFrame> session, const Map& map) {
   run.doubt_ns = doubt_of(session);
   for (const Keyframe& keyframe : map.keyframes()) {
     run.keyframes.push_back({keyframe.stamp_ns, keyframe.T_world_camera});

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "kinloop/core/progress.hpp"
-#include "kinloop/map/frames/tracked_frame.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "session/store/map_store.hpp"
 #include "viewer/saved_run.hpp"
@@ -16,7 +16,7 @@ namespace kinloop {
 bool is_map_file(const std::filesystem::path& path);
 
 /// Adds the keyframes and loops of a map, and the doubtful frames of one of its sessions.
-void add_map(SavedRun& run, std::span<const TrackedFrame> session, const Map& map);
+void add_map(SavedRun& run, std::span<const LoggedFrame> session, const Map& map);
 
 /// Returns all but the name and the cloud: the last run's path, and the keyframes of all runs.
 SavedRun saved_run_of(OpenMap& open);

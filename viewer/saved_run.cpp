@@ -240,9 +240,9 @@ json status_of(const SavedRun& run, const std::optional<AteResult>& ate) {
 
 }  // namespace
 
-std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log) {
+std::vector<int64_t> doubt_of(std::span<const LoggedFrame> log) {
   std::vector<int64_t> doubt_ns;
-  for (const TrackedFrame& entry : log) {
+  for (const LoggedFrame& entry : log) {
     if (entry.doubtful || entry.is_lost()) doubt_ns.push_back(entry.stamp_ns);
   }
   return doubt_ns;

@@ -8,7 +8,7 @@
 
 #include "dense/mesh/colored_mesh.hpp"
 #include "kinloop/geometry/trajectory.hpp"
-#include "kinloop/map/frames/tracked_frame.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "session/plan/viewer_options.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/frame_table.hpp"
@@ -39,7 +39,7 @@ struct SavedRun {
 };
 
 /// Returns the stamps of the doubtful and lost frames of a log.
-std::vector<int64_t> doubt_of(std::span<const TrackedFrame> log);
+std::vector<int64_t> doubt_of(std::span<const LoggedFrame> log);
 
 /// Reads the folder of a run, in which only trajectory.txt is required, or a PLY, PCD or GLB file. Throws
 /// InputError naming what is missing or damaged.

@@ -29,10 +29,10 @@ std::pair<std::vector<PosedImage>, std::vector<PosedImage>> views_of_both(const 
 }
 
 /// The frames of one map that were tracked in a component.
-Trajectory path_in(uint32_t component, std::span<const TrackedFrame> log, const Map& map) {
+Trajectory path_in(uint32_t component, std::span<const LoggedFrame> log, const Map& map) {
   Trajectory path;
-  for (const TrackedFrame& entry : log) {
-    if (is_tracked_in(component, entry, map)) path.push_back({entry.stamp_ns, world_pose(entry, map)});
+  for (const LoggedFrame& entry : log) {
+    if (is_tracked_in(component, entry, map)) path.push_back({entry.stamp_ns, entry.world(map)});
   }
   return path;
 }
@@ -54,7 +54,7 @@ std::unordered_map<KeyframeId, KeyframeId> split_keyframes(const Map& map, uint3
 
 /// The frames of one map, with its poses in the joined one, and their errors where the folder has the truth.
 std::vector<TimelineFrame> timeline_in(const std::filesystem::path& input, const ComparedVisit& visit,
-                                       std::span<const TrackedFrame> log) {
+                                       std::span<const LoggedFrame> log) {
   SavedRun run = read_frames_and_truth(input);
   if (run.frames.empty()) run.doubt_ns = doubt_of(log);
   run.path = visit.path;
@@ -98,7 +98,7 @@ Comparison comparison_of(const ComparedMaps& compared, const MergeRequest& reque
   const Map& map = merged.slam->map();
   const std::span log(merged.slam->log());
   const auto frames_of_a = static_cast<size_t>(
-      std::ranges::lower_bound(log, merged.first_of_b, {}, &TrackedFrame::id) - log.begin());
+      std::ranges::lower_bound(log, merged.first_of_b, {}, &LoggedFrame::id) - log.begin());
   const uint32_t component = main_component(log, map);
   const PinholeCamera& camera = merged.camera.color;
   Comparison shown{.before = {input_name(request.a.string()),

@@ -69,9 +69,9 @@ Library open_library(const LocateArguments& arguments, const RgbdCamera& camera)
 }
 
 /// The line of a frame: its stamp, position [m], orientation (x, y, z, w) and map.
-std::string line_of(const TrackedFrame& frame, const Library& library) {
+std::string line_of(const LoggedFrame& frame, const Library& library) {
   if (frame.is_lost() || frame.doubtful) return fmt::format("{} unknown\n", format_stamp(frame.stamp_ns));
-  const SE3 T_map_camera = world_pose(frame, library.slam->map());
+  const SE3 T_map_camera = frame.world(library.slam->map());
   const Eigen::Vector3d& p = T_map_camera.translation;
   const Eigen::Quaterniond& q = T_map_camera.rotation;
   return fmt::format("{} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {}\n", format_stamp(frame.stamp_ns),
@@ -90,7 +90,7 @@ void locate(const LocateArguments& arguments) {
   while (const auto frame = source->next()) slam.process(*frame);
   fmt::print("# stamp [s], position [m], orientation (x, y, z, w), map\n");
   size_t located = 0;
-  for (const TrackedFrame& frame : slam.session_log()) {
+  for (const LoggedFrame& frame : slam.session_log()) {
     fmt::print("{}", line_of(frame, library));
     if (!frame.is_lost() && !frame.doubtful) ++located;
   }

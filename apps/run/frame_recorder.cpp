@@ -7,7 +7,7 @@
 
 namespace kinloop {
 
-const char* frame_status(const TrackedFrame& tracked) {
+const char* frame_status(const FrameRecord& tracked) {
   if (tracked.is_lost()) return "lost";
   if (tracked.doubtful) return "doubtful";
   return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
@@ -20,30 +20,21 @@ void FrameRecorder::record_pose(const TrackedFrame& tracked) {
   ages_ms_.push_back(Milliseconds(std::chrono::system_clock::now().time_since_epoch()).count() -
                      1e-6 * static_cast<double>(tracked.stamp_ns));
   if (tracked.is_lost() || tracked.doubtful) return;
-  std::optional<uint32_t> component;
-  if (tracked.reference.value < component_of_.size()) component = component_of_[tracked.reference.value];
   live_poses_.push_back({feature_counts_.size(),
-                         tracked.reference,
-                         component,
+                         tracked.component,
                          {tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance}});
 }
 
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
+  if (!live_poses_.empty() && live_poses_.back().frame == feature_counts_.size())
+    live_poses_.back().component = tracked.component;  // mapping the frame may have changed it
   feature_counts_.push_back(static_cast<int>(tracked.features().size()));
 }
 
-void FrameRecorder::on_map(const Map& map) {
-  component_of_.clear();
-  for (const Keyframe& keyframe : map.keyframes()) component_of_.push_back(keyframe.component);
-  const bool is_of_this_frame =
-      !live_poses_.empty() && live_poses_.back().frame + 1 == feature_counts_.size();
-  if (is_of_this_frame) live_poses_.back().component = component_of_[live_poses_.back().reference.value];
-}
-
-FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings& times) const {
+FrameTable FrameRecorder::table(std::span<const LoggedFrame> log, const Timings& times) const {
   FrameTable rows;
   for (size_t i = 0; i < std::min(feature_counts_.size(), log.size()); ++i) {
-    const TrackedFrame& frame = log[i];
+    const LoggedFrame& frame = log[i];
     const double ms = i < times.frame_ms.size() ? times.frame_ms[i] : 0;
     const double sigma_m = frame.is_lost() ? 0 : position_sigma_m(frame.world_covariance);
     rows.push_back(
@@ -52,11 +43,11 @@ FrameTable FrameRecorder::table(std::span<const TrackedFrame> log, const Timings
   return rows;
 }
 
-std::vector<PoseWithCovariance> FrameRecorder::live_poses(std::span<const TrackedFrame> log,
+std::vector<PoseWithCovariance> FrameRecorder::live_poses(std::span<const LoggedFrame> log,
                                                           const Map& map) const {
   const uint32_t component = main_component(log, map);
   std::vector<PoseWithCovariance> poses;
-  for (const LivePose& live : live_poses_) {
+  for (const GivenPose& live : live_poses_) {
     if (live.frame < log.size() && live.component == component &&
         is_tracked_in(component, log[live.frame], map))
       poses.push_back(live.pose);

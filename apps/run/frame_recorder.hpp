@@ -1,11 +1,11 @@
 #pragma once
 // In: the frames of a run. Out: the rows of frames.txt, and the poses of live.txt.
 
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "kinloop/core/timings.hpp"
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/slam/listener.hpp"
 #include "tools/evaluation/consistency.hpp"
 #include "viewer/report/frame_table.hpp"
@@ -13,7 +13,7 @@
 namespace kinloop {
 
 /// Returns the status of a frame as frames.txt has it: tracked, dense, doubtful or lost.
-const char* frame_status(const TrackedFrame& tracked);
+const char* frame_status(const FrameRecord& tracked);
 
 /// Makes a row per frame for frames.txt. All but its features are from the log at the end of the run, so that
 /// they agree with trajectory.txt: frames that were lost may have been found since.
@@ -23,10 +23,10 @@ class FrameRecorder : public Listener {
   void record_pose(const TrackedFrame& tracked);
 
   void on_frame(const TrackedFrame& tracked) override;
-  void on_map(const Map& map) override;
+  void on_map(const Map& /*map*/) override {}
 
   /// Returns the rows, with the time of each frame. `log` has the same frames.
-  [[nodiscard]] FrameTable table(std::span<const TrackedFrame> log, const Timings& times) const;
+  [[nodiscard]] FrameTable table(std::span<const LoggedFrame> log, const Timings& times) const;
 
   /// Returns the time from when the images of a frame were there to its pose, ms, for each frame of which it
   /// is known.
@@ -39,22 +39,20 @@ class FrameRecorder : public Listener {
   /// Returns the poses that tracking gave, each in the map as it was then, with their covariances. Frames
   /// that were lost or doubtful are left out, and those that were in other components than the main one then,
   /// whose world frames are their own. `log` has the same frames.
-  [[nodiscard]] std::vector<PoseWithCovariance> live_poses(std::span<const TrackedFrame> log,
+  [[nodiscard]] std::vector<PoseWithCovariance> live_poses(std::span<const LoggedFrame> log,
                                                            const Map& map) const;
 
  private:
   /// A pose as tracking gave it.
-  struct LivePose {
-    size_t frame;  // index in the log
-    KeyframeId reference;
-    std::optional<uint32_t> component;  // of the reference then; `on_map` tells of a new or joined one
+  struct GivenPose {
+    size_t frame;        // index in the log
+    uint32_t component;  // in which it was then
     PoseWithCovariance pose;
   };
 
   std::vector<int> feature_counts_;  // the log drops the features
   std::vector<double> latencies_ms_, ages_ms_;
-  std::vector<LivePose> live_poses_;
-  std::vector<uint32_t> component_of_;  // by keyframe
+  std::vector<GivenPose> live_poses_;
 };
 
 }  // namespace kinloop

@@ -50,7 +50,7 @@ class BackEnd {
   void require_more_evidence(KeyframeId place) { job<LoopDecisionJob>().require_more_evidence(place); }
 
   /// Records the first keyframe of a component and the last trusted pose before it, see LoopHypotheses.
-  void add_beginning(KeyframeId first, const TrustedPose& before) {
+  void add_beginning(KeyframeId first, const CameraMotion& before) {
     job<LoopDecisionJob>().add_beginning(first, before);
   }
 

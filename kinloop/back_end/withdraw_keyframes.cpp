@@ -3,15 +3,6 @@
 #include <vector>
 
 namespace kinloop {
-namespace {
-
-/// Expresses a pose relative to another keyframe. Its place in the world stays.
-void express_in(KeyframeId reference, const Map& map, TrackedFrame& entry) {
-  entry.T_reference_camera = map.keyframe(reference).T_world_camera.inverse() * world_pose(entry, map);
-  entry.reference = reference;
-}
-
-}  // namespace
 
 std::optional<KeyframeId> withdraw_keyframes(size_t begin, uint32_t component, Map& map, FrameLog& log) {
   const auto is_before = [first = log[begin].id](const Keyframe& keyframe) {
@@ -29,11 +20,12 @@ std::optional<KeyframeId> withdraw_keyframes(size_t begin, uint32_t component, M
   }
   if (wrong.empty() || !last.valid()) return std::nullopt;
   for (size_t i = begin; i < log.size(); ++i) {
-    TrackedFrame& entry = log[i];
+    LoggedFrame& entry = log[i];
     if (!is_tracked_in(component, entry, map)) continue;
     entry.doubtful = true;
     entry.keyframe = {};
-    if (!is_before(map.keyframe(entry.reference))) express_in(last, map, entry);
+    KeyframePose& pose = entry;
+    if (!is_before(map.keyframe(pose.reference))) pose = pose.in(last, map);
   }
   for (const KeyframeId id : wrong) map.withdraw(id);
   return last;

@@ -194,9 +194,9 @@ bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) co
   const auto is_beyond = [&](const LoopClosure& l, const Beginning& beginning) {
     const auto& [first_id, before] = beginning;
     const Keyframe& first = map.keyframe(first_id);
-    const uint32_t from = map.keyframe(before.reference).component;
+    const uint32_t from = map.keyframe(before.pose.reference).component;
     if (first.component != map.keyframe(l.b).component || from != map.keyframe(l.a).component) return false;
-    const double travelled_m = travelled_distances(map, l.a)[before.reference.value];
+    const double travelled_m = travelled_distances(map, l.a)[before.pose.reference.value];
     if (!std::isfinite(travelled_m)) return false;
     const Eigen::Vector3d p_world_a =
         T_world_a_world_b(l, map.keyframe(l.a).T_world_camera, map.keyframe(l.b).T_world_camera) *

@@ -77,7 +77,7 @@ class LoopHypotheses {
 
   /// Records the first keyframe of a component and the last trusted pose before it, in another one. Loops do
   /// not join them if the camera cannot have moved so far in the time between.
-  void add_beginning(KeyframeId first, const TrustedPose& before) { beginnings_.push_back({first, before}); }
+  void add_beginning(KeyframeId first, const CameraMotion& before) { beginnings_.push_back({first, before}); }
 
   /// Decides at the end of the run, when no further keyframes come: two that agree are enough. The others
   /// stay provisional, and wait for another run.
@@ -96,7 +96,7 @@ class LoopHypotheses {
   };
   struct Beginning {
     KeyframeId first;
-    TrustedPose before;
+    CameraMotion before;
   };
   struct Requirements {
     int keyframes, views_if_doubted;

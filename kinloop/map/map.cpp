@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/map/keyframe_poses.hpp"
 
 namespace kinloop {
 void Map::append(MapData parts) {
@@ -206,7 +205,7 @@ void Map::merge(LandmarkId from, LandmarkId into) {
 
 bool Map::apply(const MapUpdate& update) {
   if (update.epoch != epoch_) return false;
-  const std::vector<SE3> T_world_camera_before = keyframe_poses(*this);
+  const std::vector<SE3> T_world_camera_before = keyframe_poses();
   for (const auto& [id, T_world_camera] : update.T_world_camera) {
     require(T_world_camera.is_finite(), "apply: a corrected pose is not finite");
     keyframe_ref(id).T_world_camera = T_world_camera;
@@ -299,6 +298,21 @@ std::vector<LandmarkId> Map::landmark_ids() const {
     if (landmark) ids.push_back(landmark->id);
   }
   return ids;
+}
+
+std::vector<SE3> Map::keyframe_poses() const {
+  std::vector<SE3> T_world_keyframe;
+  for (const Keyframe& keyframe : keyframes_) T_world_keyframe.push_back(keyframe.T_world_camera);
+  return T_world_keyframe;
+}
+
+std::optional<KeyframeId> Map::predecessor(KeyframeId id) const {
+  const Keyframe& of = keyframe(id);
+  if (of.begins_component) return std::nullopt;
+  for (uint32_t earlier = id.value; earlier-- > 0;) {
+    if (keyframes_[earlier].visit == of.visit) return KeyframeId{earlier};
+  }
+  return std::nullopt;
 }
 
 Eigen::Vector3d Map::p_world(LandmarkId id) const {

@@ -131,6 +131,17 @@ class Map {
   [[nodiscard]] std::vector<LandmarkId> landmark_ids() const;
   [[nodiscard]] size_t landmark_count() const { return landmark_count_; }
 
+  /// Returns T_a_b of two keyframes of one component.
+  [[nodiscard]] SE3 relative_pose(KeyframeId a, KeyframeId b) const {
+    return keyframe(a).T_world_camera.inverse() * keyframe(b).T_world_camera;
+  }
+
+  /// Returns T_world_camera of all keyframes, by id.
+  [[nodiscard]] std::vector<SE3> keyframe_poses() const;
+
+  /// Returns the keyframe before this one in its visit; nullopt if the motion from there is unknown.
+  [[nodiscard]] std::optional<KeyframeId> predecessor(KeyframeId id) const;
+
   /// Returns the position of a landmark in the world frame, m.
   [[nodiscard]] Eigen::Vector3d p_world(LandmarkId id) const;
 

@@ -6,7 +6,6 @@
 
 #include "kinloop/core/disjoint_sets.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/map/keyframe_poses.hpp"
 #include "kinloop/map/map.hpp"
 
 namespace kinloop {
@@ -39,7 +38,7 @@ std::vector<SE3> Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason
   for (const LoopEnds& ends : within_visits) split_tracks(ends);
   if (!between_visits) return {};
   const uint32_t components = component_count_;
-  std::vector<SE3> T_world_keyframe_before = keyframe_poses(*this);
+  std::vector<SE3> T_world_keyframe_before = keyframe_poses();
   split_components();
   if (component_count_ == components) return {};
   return T_world_keyframe_before;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "kinloop/map/frames/frame_log.hpp"
+#include "kinloop/map/frames/frame_record.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 
@@ -32,7 +32,7 @@ struct SavedMap {
   RgbdCamera camera;
   std::vector<SavedParameter> sensor;
   MapData map;
-  FrameLog frames;  ///< without matches
+  std::vector<FrameRecord> frames;
 };
 
 }  // namespace kinloop

@@ -49,7 +49,7 @@ int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const Pin
   const auto b = collect_unmapped(map.keyframe(neighbour_id), options.max_depth_m);
   if (a.features.empty() || b.features.empty()) return 0;
   const auto features_a = map.keyframe(id).features, features_b = map.keyframe(neighbour_id).features;
-  const SE3 T_a_b = map.keyframe(id).T_world_camera.inverse() * map.keyframe(neighbour_id).T_world_camera;
+  const SE3 T_a_b = map.relative_pose(id, neighbour_id);
   int created = 0;
   for (const Match& match : match_brute_force(a.descriptors, b.descriptors, true)) {
     if (match.distance > kMaxHammingDistance) continue;

@@ -2,23 +2,15 @@
 
 namespace kinloop {
 
-FrameLog saved_frames(const FrameLog& log) {
-  FrameLog saved = log;
-  for (TrackedFrame& frame : saved) {
-    frame.matches.clear();
-    frame.measurements.clear();
-    frame.frame.reset();
-  }
-  return saved;
-}
-
 FrameLog logged_frames(const SavedMap& saved, uint32_t first_keyframe, uint32_t first_frame) {
   const auto shifted = [&](KeyframeId id) {
     return id.value < saved.map.keyframes.size() ? KeyframeId{id.value + first_keyframe} : KeyframeId{};
   };
-  FrameLog log = saved.frames;
+  FrameLog log;
   bool previous_lost = true;
-  for (TrackedFrame& frame : log) {
+  for (const FrameRecord& record : saved.frames) {
+    LoggedFrame& frame = log.emplace_back();
+    static_cast<FrameRecord&>(frame) = record;
     frame.id.value += first_frame;
     frame.reference = shifted(frame.reference);
     frame.keyframe = shifted(frame.keyframe);

@@ -1,13 +1,11 @@
 #pragma once
 // Conversion between the frames and sensor estimate of a run and their form in a map file.
 
+#include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/saved_map.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {
-
-/// Returns the frames without what a map file does not hold: matches and features.
-FrameLog saved_frames(const FrameLog& log);
 
 /// Returns the log of a saved map with keyframe and frame ids shifted past the existing ones. The file does
 /// not hold the observations of frames. A frame whose keyframe is missing counts as lost.

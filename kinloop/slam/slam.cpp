@@ -64,7 +64,7 @@ Slam::Slam(const RgbdCamera& camera, const SlamOptions& options, Vocabulary voca
       sensor_estimate_(nominal_estimate(camera, options.noise)),
       keyframe_memory_(static_cast<size_t>(options_.keyframe_memory_mib) << 20),
       front_end_(sensor(), options_.features),
-      tracker_(sensor(), tracker_options(options_), timings_),
+      tracker_(front_end_, tracker_options(options_), timings_),
       keyframes_(options_.tracking.keyframe),
       relocalizer_([this](const Frame& frame) { return relocalize(frame); }),
       mapper_(mapper_options(options_)),
@@ -88,10 +88,10 @@ TrackedFrame Slam::track(const Frame& frame) {
   if (compensate_first(tracked)) tracked = tracker_.track(usable, context);
   add_input_evidence(tracked);
   check_location(tracked);
-  if (tracked.outcome == TrackingOutcome::kRelocalized) visit_ = map_.keyframe(tracked.reference).visit;
+  if (tracked.outcome == TrackingOutcome::kRelocalized) place_.visit = map_.keyframe(tracked.reference).visit;
   // Where a map begins, the pose is that of its first keyframe.
   if (tracked.outcome == TrackingOutcome::kNewMap) tracked = with_keyframe(std::move(tracked));
-  if (!tracked.is_lost()) tracked.T_world_camera = world_pose(tracked, map_);
+  state_place(tracked);
   odometry_.update(tracked, map_);
   tracked.T_map_odom = odometry_.T_map_odom();
   tracked.world_covariance = online_covariance_.add(tracked);
@@ -109,6 +109,7 @@ TrackedFrame Slam::update_map() {
   withdraw_contradicted();
   if (tracked.keyframe.valid()) find_loops(tracked.keyframe);
   submit_jobs(tracked.id, tracked.keyframe);
+  if (!tracked.is_lost()) tracked.component = map_.keyframe(tracked.reference).component;
   return publish(std::move(tracked));
 }
 
@@ -117,12 +118,18 @@ TrackedFrame Slam::with_keyframe(TrackedFrame tracked) {
   auto selected = select_keyframe(tracked);
   if (!selected) return tracked;
   const bool rematched = selected->frame != tracked.frame;  // its keypoints show the place, patches do not
-  selected->T_map_odom = tracked.T_map_odom;
-  selected->world_covariance = tracked.world_covariance;
   if (rematched) check_location(*selected);
   if (!selected->is_lost() && !selected->doubtful) insert_keyframe(*selected);
-  if (!selected->is_lost()) selected->T_world_camera = world_pose(*selected, map_);
+  state_place(*selected);
   return *std::move(selected);
+}
+
+/// States where the frame is in the map of this moment.
+void Slam::state_place(TrackedFrame& tracked) const {
+  if (tracked.is_lost()) return;
+  tracked.T_world_camera = tracked.world(map_);
+  tracked.component = map_.keyframe(tracked.reference).component;
+  if (place_.visit) tracked.visit = *place_.visit;
 }
 
 /// Returns the frame with depth of the scale of the first frame, or without it if it is an old one.
@@ -145,8 +152,7 @@ Frame Slam::with_steady_depth(const Frame& frame) {
 /// Adds what is known of the images. Without depth for long, nothing but landmarks supports a pose.
 void Slam::add_input_evidence(TrackedFrame& tracked) const {
   constexpr double kMaxWithoutDepth_s = 0.5;
-  tracked.evidence.fixed_share = fixed_region_.share();
-  tracked.evidence.depth_factor = depth_.factor();
+  tracked.evidence.input = {fixed_region_.share(), depth_.factor()};
   if (!tracked.is_lost() && depth_.age_s() > kMaxWithoutDepth_s) tracked.doubtful = true;
 }
 
@@ -191,12 +197,12 @@ void Slam::insert_keyframe(TrackedFrame& tracked) {
   tracked.keyframe = mapper_.insert(map_, tracked, sensor());
   if (tracked.outcome == TrackingOutcome::kNewMap) {
     const auto& before = tracker_.trusted();
-    if (before && visit_ == map_.keyframe(before->reference).visit)
+    if (before && place_.visit == map_.keyframe(before->pose.reference).visit)
       back_end_.add_beginning(tracked.keyframe, *before);
     tracked.reference = tracked.keyframe;
-    visit_ = map_.keyframe(tracked.keyframe).visit;
-  } else if (visit_) {
-    map_.set_visit(tracked.keyframe, *visit_);
+    place_.visit = map_.keyframe(tracked.keyframe).visit;
+  } else if (place_.visit) {
+    map_.set_visit(tracked.keyframe, *place_.visit);
   }
   online_covariance_.add_keyframe(tracked);
   places_.add(map_.keyframe(tracked.keyframe));
@@ -244,7 +250,7 @@ void Slam::rebase_after_split(const std::vector<SE3>& T_world_keyframe_before) {
   const KeyframeId old = tracker_.reference();
   const auto& keyframes = map_.keyframes();
   const auto own = std::find_if(keyframes.rbegin(), keyframes.rend(), [&](const Keyframe& keyframe) {
-    return keyframe.visit == visit_ && !keyframe.withdrawn;
+    return keyframe.visit == place_.visit && !keyframe.withdrawn;
   });
   if (!old.valid() || own == keyframes.rend() || own->component == map_.keyframe(old).component)
     return tracker_.update(map_, old);
@@ -289,7 +295,7 @@ Trajectory Slam::finish(const Progress& progress) {
       found->doubtful = true;
     return found;
   };
-  const FrameSearch search{anywhere, [this](const Frame& frame, const TrackedFrame& neighbor) {
+  const FrameSearch search{anywhere, [this](const Frame& frame, const KeyframePose& neighbor) {
                              return places_.locate_near(frame, map_, neighbor.reference,
                                                         neighbor.T_reference_camera);
                            }};

@@ -41,8 +41,8 @@ struct EarlierSessions {
   size_t frame_count = 0;  ///< number of loaded frames; they come first in the log
 };
 
-/// Where the camera was located anew, by the look of an image or after a gap, and what the frames since then
-/// say of it.
+/// A place where the camera was located without the frame before, by the look of an image or after a gap, and
+/// what the frames since then say of it.
 struct RelocalizationTrial {
   size_t begin = 0;  ///< of these frames in the log
   int64_t begin_ns = 0;
@@ -56,6 +56,13 @@ struct RelocalizationTrial {
 struct RelocalizationCooldown {
   uint32_t component = 0;
   int64_t contradicted_ns = 0;
+};
+
+/// Where the camera is said to be.
+struct CameraPlace {
+  std::optional<uint32_t> visit;  ///< none before the first pose
+  std::optional<RelocalizationTrial> trial;
+  std::optional<RelocalizationCooldown> cooldown;
 };
 
 class Slam {
@@ -102,10 +109,13 @@ class Slam {
   [[nodiscard]] bool has_unmapped_frame() const { return unmapped_.has_value(); }
 
   /// Returns the frame of the last `track`, as it is known now; null before the first.
-  [[nodiscard]] const TrackedFrame* latest() const {
+  [[nodiscard]] const EstimatedFrame* latest() const {
     if (unmapped_) return &*unmapped_;
     return session_log().empty() ? nullptr : &log_.back();
   }
+
+  /// Returns where the frame of the odometry is in the map, see TrackedFrame::T_map_odom.
+  [[nodiscard]] const SE3& T_map_odom() const { return odometry_.T_map_odom(); }
 
   /// Ends the run: waits for background jobs, adjusts the whole map, refines every frame and bridges those
   /// that stay lost between good ones. Returns `trajectory()`.
@@ -120,7 +130,7 @@ class Slam {
   [[nodiscard]] const FrameLog& log() const { return log_; }
 
   /// Returns the frames of this run; in `log()` the frames of loaded maps come first.
-  [[nodiscard]] std::span<const TrackedFrame> session_log() const {
+  [[nodiscard]] std::span<const LoggedFrame> session_log() const {
     return std::span(log_).subspan(earlier_.frame_count);
   }
 
@@ -170,6 +180,7 @@ class Slam {
   void rebase_after_split(const std::vector<SE3>& T_world_keyframe_before);
   void apply_sensor_estimate(const AppliedSensor& applied);
   [[nodiscard]] TrackedFrame with_keyframe(TrackedFrame tracked);
+  void state_place(TrackedFrame& tracked) const;
   [[nodiscard]] std::optional<TrackedFrame> select_keyframe(const TrackedFrame& tracked);
   void insert_keyframe(TrackedFrame& tracked);
   void find_loops(KeyframeId keyframe);
@@ -208,10 +219,8 @@ class Slam {
   OnlineCovariance online_covariance_;
   std::vector<Matrix6d> keyframe_covariance_;
   std::vector<Listener*> listeners_;
-  std::optional<RelocalizationTrial> located_;
-  std::optional<RelocalizationCooldown> cooldown_;
+  CameraPlace place_;
   std::optional<TrackedFrame> unmapped_;  // the latest frame, until `update_map`
-  std::optional<uint32_t> visit_;         // in which the camera is; none before the first pose
   bool map_changed_ = false;              // since the last notification of the listeners
 };
 

@@ -83,13 +83,10 @@ bool Slam::has_doubts_since(int64_t since_ns) const {
 /// Marks the frames of this run since then. Those whose keyframe was withdrawn have no pose any more.
 void Slam::doubt_frames_since(int64_t since_ns, bool withdrawn) {
   for (size_t i = earlier_.frame_count; i < log_.size(); ++i) {
-    TrackedFrame& entry = log_[i];
+    LoggedFrame& entry = log_[i];
     if (entry.stamp_ns < since_ns || entry.is_lost()) continue;
     entry.doubtful = true;
-    if (!withdrawn || map_.keyframe(entry.reference).stamp_ns < since_ns) continue;
-    entry.outcome = TrackingOutcome::kLost;
-    entry.matches.clear();
-    entry.measurements.clear();
+    if (withdrawn && map_.keyframe(entry.reference).stamp_ns >= since_ns) lose(entry);
   }
 }
 

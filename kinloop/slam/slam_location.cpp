@@ -64,8 +64,8 @@ std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
   auto found = places_.relocalize(frame, map_);
   if (!found) return std::nullopt;
   const uint32_t component = map_.keyframe(found->reference).component;
-  if (is_cooling_down(cooldown_, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
-  found->doubtful = is_cooling_down(cooldown_, component, frame.stamp_ns, kSuspected_ns);
+  if (is_cooling_down(place_.cooldown, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
+  found->doubtful = is_cooling_down(place_.cooldown, component, frame.stamp_ns, kSuspected_ns);
   return found;
 }
 
@@ -75,7 +75,7 @@ bool Slam::is_located_anew(const TrackedFrame& tracked) const {
   constexpr int64_t kCarried_ns = 2 * kNsPerSecond;
   const bool recognized = tracked.outcome == TrackingOutcome::kRelocalized;
   const auto frames = session_log();
-  const auto last = std::find_if(frames.rbegin(), frames.rend(), [&](const TrackedFrame& frame) {
+  const auto last = std::find_if(frames.rbegin(), frames.rend(), [&](const LoggedFrame& frame) {
     return !frame.is_lost() && !(recognized && frame.doubtful);
   });
   return last == frames.rend() || tracked.stamp_ns - last->stamp_ns > kCarried_ns;
@@ -104,37 +104,32 @@ void Slam::examine(const TrackedFrame& tracked, RelocalizationTrial& place) cons
 void Slam::check_location(TrackedFrame& tracked) {
   if (!tracked.is_located()) return;
   const uint32_t component = map_.keyframe(tracked.reference).component;
-  if (located_ && (located_->component != component || is_done(*located_, tracked.stamp_ns)))
-    located_.reset();
+  if (place_.trial && (place_.trial->component != component || is_done(*place_.trial, tracked.stamp_ns)))
+    place_.trial.reset();
   const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
-  if (is_located_anew(tracked)) restart_trial(located_, {log_.size(), tracked.stamp_ns, end, component});
-  if (!located_) return;
-  examine(tracked, *located_);
-  const LocationCheck& check = located_->check;
+  if (is_located_anew(tracked)) restart_trial(place_.trial, {log_.size(), tracked.stamp_ns, end, component});
+  if (!place_.trial) return;
+  examine(tracked, *place_.trial);
+  const LocationCheck& check = place_.trial->check;
   if (check.is_contradicted()) return take_back_location(tracked);
   // Where the camera was said to be before, and was not, it has to be seen for longer.
-  const bool too_early = is_cooling_down(cooldown_, component, tracked.stamp_ns, kSuspected_ns) &&
-                         tracked.stamp_ns - located_->begin_ns < kRefused_ns;
+  const bool too_early = is_cooling_down(place_.cooldown, component, tracked.stamp_ns, kSuspected_ns) &&
+                         tracked.stamp_ns - place_.trial->begin_ns < kRefused_ns;
   if (!check.is_confirmed() || too_early) tracked.provisional = tracked.doubtful = true;
 }
 
 /// Makes the frames since the camera was located lost and withdraws their keyframes. The camera has to be
 /// found anew, or is in a part of the world that is not mapped.
 void Slam::take_back_location(TrackedFrame& tracked) {
-  const RelocalizationTrial place = *std::exchange(located_, std::nullopt);
-  cooldown_ = RelocalizationCooldown{place.component, tracked.stamp_ns};
+  const RelocalizationTrial place = *std::exchange(place_.trial, std::nullopt);
+  place_.cooldown = RelocalizationCooldown{place.component, tracked.stamp_ns};
   back_end_.require_more_evidence(tracked.reference);
   if (place.begin < log_.size() && withdraw_keyframes(place.begin, place.component, map_, log_))
     map_changed_ = true;
-  const auto lose = [](TrackedFrame& frame) {
-    frame.outcome = TrackingOutcome::kLost;
-    frame.provisional = false;
-    frame.matches.clear();
-    frame.measurements.clear();
-  };
   for (size_t i = place.begin; i < log_.size(); ++i)
     if (is_tracked_in(place.component, log_[i], map_)) lose(log_[i]);
   lose(tracked);  // also if its reference has been withdrawn
+  tracked.provisional = false;
   tracker_.reset();
 }
 

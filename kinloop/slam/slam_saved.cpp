@@ -14,7 +14,7 @@ namespace {
 /// The id after those of all frames, at least `first`. A damaged file may have keyframes but no frames.
 uint32_t next_frame(const FrameLog& log, const std::vector<Keyframe>& keyframes, uint32_t first) {
   uint32_t next = first;
-  for (const TrackedFrame& entry : log) next = std::max(next, entry.id.value + 1);
+  for (const LoggedFrame& entry : log) next = std::max(next, entry.id.value + 1);
   for (const Keyframe& keyframe : keyframes) next = std::max(next, keyframe.frame.value + 1);
   return next;
 }
@@ -85,10 +85,10 @@ SavedMap Slam::saved_map(const std::string& input) const {
   saved.map = map_.data();
   // The map has been adjusted: its relative poses are better than the first measurements.
   for (LoopClosure& loop : saved.map.loop_closures) {
-    loop.T_a_b = map_.keyframe(loop.a).T_world_camera.inverse() * map_.keyframe(loop.b).T_world_camera;
+    loop.T_a_b = map_.relative_pose(loop.a, loop.b);
     loop.corrected = true;
   }
-  saved.frames = saved_frames(log_);
+  saved.frames.assign(log_.begin(), log_.end());  // without what only the run needs
   return saved;
 }
 

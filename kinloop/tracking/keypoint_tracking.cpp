@@ -66,8 +66,8 @@ void set_solution(TrackedFrame& tracked, const AbsolutePoseSolution& solution,
 }
 
 /// Refines the pose on landmarks of the local map and, if these are few, also on unmapped points of the
-/// previous frame.
-TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double window_px) {
+/// previous frame. `tracked` is the frame without a pose.
+TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double window_px, TrackedFrame tracked) {
   auto matched = match_landmarks(in, guess.T_reference_camera, window_px);
   std::vector<PoseObservation> observations = std::move(matched.observations);
   std::vector<bool> taken(in.frame.features->size(), false), confirmed;
@@ -82,7 +82,6 @@ TrackedFrame refine(const TrackingInput& in, const FramePose& guess, double wind
       confirmed.push_back(false);
     }
   }
-  TrackedFrame tracked = unlocated(in.frame);
   tracked.reference = in.local_map.reference;
   tracked.evidence.visible_landmarks = matched.visible;
   const auto solution =
@@ -131,9 +130,14 @@ bool has_sufficient_inlier_ratio(const TrackedFrame& tracked, const Features& fe
 }
 
 TrackedFrame track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px) {
+  return track_local_map(in, T_reference_camera_guess, window_px, unlocated(in.frame));
+}
+
+TrackedFrame track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px,
+                             TrackedFrame without_pose) {
   FramePose guess;
   guess.T_reference_camera = T_reference_camera_guess;
-  return refine(in, guess, window_px);
+  return refine(in, guess, window_px, std::move(without_pose));
 }
 
 TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previous,
@@ -147,7 +151,7 @@ TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previo
     TrackedFrame tracked = track_local_map(in, predicted.T, in.options.wide_window_px);
     return has_enough_inliers(tracked) ? tracked : unlocated(in.frame);
   }
-  TrackedFrame tracked = refine(in, *guess, in.options.local_map_window_px);
+  TrackedFrame tracked = refine(in, *guess, in.options.local_map_window_px, unlocated(in.frame));
   if (guess->from_brute_force && !has_enough_inliers(tracked)) return unlocated(in.frame);
   if (tracked.is_lost()) {
     tracked.outcome = TrackingOutcome::kTracked;
@@ -156,7 +160,6 @@ TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previo
     tracked.covariance = covariance_from_information(guess->information);
     if (guess->dense) tracked.covariance += previous.covariance;  // odometry accumulates its errors
   }
-  tracked.evidence.previous_frame_inliers = static_cast<int>(guess->inliers.size());
   tracked.evidence.attempts = guess->attempts;
   return tracked;
 }

@@ -37,6 +37,10 @@ bool has_sufficient_inlier_ratio(const TrackedFrame& tracked, const Features& fe
 /// windows. Used by `track_keypoints` and for place recognition.
 TrackedFrame track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px);
 
+/// The same for a frame of which more is known than its images.
+TrackedFrame track_local_map(const TrackingInput& in, const SE3& T_reference_camera_guess, double window_px,
+                             TrackedFrame without_pose);
+
 /// Tracks by dense alignment with the previous frame; lost if that fails. Directions that its surfaces leave
 /// open are decided by the motion before, and by landmarks, of which four are enough here.
 TrackedFrame track_densely(const TrackingInput& in, const TrackedFrame& previous,

@@ -87,8 +87,8 @@ TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& contex
 bool Tracker::is_in_long_doubt(const TrackedFrame& tracked) const {
   constexpr int64_t kMinDoubt_ns = kNsPerSecond / 2;
   constexpr uint32_t kInterval = 5;
-  return tracked.is_located() && tracked.doubtful && doubtful_since_ns_ &&
-         tracked.stamp_ns - *doubtful_since_ns_ > kMinDoubt_ns && tracked.id.value % kInterval == 0;
+  return tracked.is_located() && tracked.doubtful && state_.doubtful_since_ns &&
+         tracked.stamp_ns - *state_.doubtful_since_ns > kMinDoubt_ns && tracked.id.value % kInterval == 0;
 }
 
 /// Returns the frame where it is recognized beyond doubt, if that is not where it was tracked.
@@ -100,7 +100,7 @@ std::optional<TrackedFrame> Tracker::find_elsewhere(const TrackedFrame& tracked,
   auto found = context.relocalize(deskewed(measured, context.sensor, tracked.velocity));
   const Map& map = context.map;
   if (!found || !is_confident(*found, *measured.features) || !is_reachable(*found, map)) return std::nullopt;
-  const SE3 T_found_tracked = world_pose(*found, map).inverse() * world_pose(tracked, map);
+  const SE3 T_found_tracked = found->world(map).inverse() * tracked.world(map);
   if (is_tracked_in(map.keyframe(found->reference).component, tracked, map) &&
       T_found_tracked.translation.norm() < kMaxDistance_m && T_found_tracked.angle_rad() < kMaxAngle_rad)
     return std::nullopt;
@@ -112,7 +112,7 @@ std::optional<TrackedFrame> Tracker::find_elsewhere(const TrackedFrame& tracked,
 std::optional<TrackedFrame> Tracker::start_map_after_doubt(const TrackedFrame& tracked, Frame frame,
                                                            const Sensor& sensor) const {
   if (!may_start_component() || tracked.outcome != TrackingOutcome::kTracked || !remains_weak(tracked) ||
-      tracked.stamp_ns - *doubtful_since_ns_ < kMaxHidden_ns)
+      tracked.stamp_ns - *state_.doubtful_since_ns < kMaxHidden_ns)
     return std::nullopt;
   frame = with_features(std::move(frame));
   TrackedFrame started = start_map_or_lose(frame);
@@ -129,14 +129,14 @@ Frame Tracker::with_features(Frame frame) const {
 /// Leaves out the keypoints and the depth of what moved in the previous frame, but not its surfaces, which
 /// tell whether it still does.
 Frame Tracker::without_moved(const Frame& frame) const {
-  if (!previous_ || lost_frames_ > 0 || previous_->moved.empty() || !frame.surfaces) return frame;
+  if (!previous_ || state_.lost_frames > 0 || previous_->moved.empty() || !frame.surfaces) return frame;
   return mask_images(frame, unmarked_pixels(*frame.surfaces->camera, previous_->moved, frame.gray.size()));
 }
 
 /// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not. Images
 /// without landmarks, such as those of a covered lens, may be equal although the camera moves.
 bool Tracker::repeats_previous_image(const Frame& frame) const {
-  return previous_ && lost_frames_ == 0 && !previous_->matches.empty() &&
+  return previous_ && state_.lost_frames == 0 && !previous_->matches.empty() &&
          have_equal_pixels(previous_->frame->gray, frame.gray);
 }
 
@@ -161,7 +161,8 @@ TrackedFrame Tracker::repeat_previous(Frame frame) const {
 std::optional<TrackedFrame> Tracker::track_by_patches(const Frame& frame, const Sensor& sensor) const {
   const ScopedTimer timer(timings_, "direct tracking");
   constexpr int64_t kMaxGap_ns = kNsPerSecond / 10;  // patches look too different after a longer motion
-  if (!previous_ || lost_frames_ > 0 || options_.localize_only || hypothesis_since_ns_) return std::nullopt;
+  if (!previous_ || state_.lost_frames > 0 || options_.localize_only || state_.hypothesis_since_ns)
+    return std::nullopt;
   if (frame.stamp_ns - previous_->stamp_ns > kMaxGap_ns) return std::nullopt;
   const PatchSearch search{local_map_, sensor, motion_.velocity()};
   return track_directly(frame, predict(frame.stamp_ns).T,
@@ -175,7 +176,7 @@ TrackedFrame Tracker::track_by_keypoints(Frame frame, const TrackingContext& con
   }
   TrackedFrame tracked = locate(deskewed(frame, context.sensor, motion_.velocity()), context);
   constexpr int64_t kMaxHypothesis_ns = kNsPerSecond;
-  if (hypothesis_since_ns_ && frame.stamp_ns - *hypothesis_since_ns_ > kMaxHypothesis_ns &&
+  if (state_.hypothesis_since_ns && frame.stamp_ns - *state_.hypothesis_since_ns > kMaxHypothesis_ns &&
       !is_confident(tracked, *frame.features))
     tracked = unlocated(frame);
   if (options_.localize_only && tracked.is_located() && !is_localized(tracked, frame, options_.tracking)) {
@@ -217,13 +218,13 @@ TrackedFrame Tracker::locate(const Frame& frame, const TrackingContext& context)
 
 /// Whether the camera can have moved there since its last trusted pose.
 bool Tracker::is_reachable(const TrackedFrame& found, const Map& map) const {
-  if (!trusted_ || !is_tracked_in(map.keyframe(trusted_->reference).component, found, map)) return true;
-  return can_reach(*trusted_, map, world_pose(found, map).translation, found.stamp_ns);
+  if (!trusted_ || !is_tracked_in(map.keyframe(trusted_->pose.reference).component, found, map)) return true;
+  return can_reach(*trusted_, map, found.world(map).translation, found.stamp_ns);
 }
 
 /// Whether the camera was relocalized and this frame does not confirm it.
 bool Tracker::is_hypothesis(const TrackedFrame& tracked) const {
-  const bool unexpected = tracked.outcome == TrackingOutcome::kRelocalized || hypothesis_since_ns_;
+  const bool unexpected = tracked.outcome == TrackingOutcome::kRelocalized || state_.hypothesis_since_ns;
   return tracked.is_located() &&
          (tracked.provisional || (unexpected && !is_confident(tracked, tracked.features())));
 }
@@ -235,15 +236,15 @@ bool Tracker::may_start_component() const {
 /// Whether the camera has been lost for so long that it may be in an unmapped place. Behind something that
 /// moves, the mapped place comes into view again, and a map of what hides it would be worse than none.
 bool Tracker::may_be_elsewhere(const Frame& frame) const {
-  if (!may_start_component() || lost_frames_ < options_.lost_frames_before_new_component) return false;
-  const bool hidden = moved_ns_ && lost_since_ns_ - *moved_ns_ < kNsPerSecond;
-  return !hidden || frame.stamp_ns - lost_since_ns_ > kMaxHidden_ns;
+  if (!may_start_component() || state_.lost_frames < options_.lost_frames_before_new_component) return false;
+  const bool hidden = state_.moved_ns && state_.lost_since_ns - *state_.moved_ns < kNsPerSecond;
+  return !hidden || frame.stamp_ns - state_.lost_since_ns > kMaxHidden_ns;
 }
 
 /// Whether the motion since the previous frame can be predicted.
 bool Tracker::continues_previous(const Frame& frame) const {
   constexpr int64_t kMaxInterval_ns = kNsPerSecond / 4;  // hand motion reverses within a longer gap
-  return previous_ && lost_frames_ == 0 && frame.stamp_ns - previous_->stamp_ns <= kMaxInterval_ns;
+  return previous_ && state_.lost_frames == 0 && frame.stamp_ns - previous_->stamp_ns <= kMaxInterval_ns;
 }
 
 /// Whether a pose is farther from the predicted one than a hand moves a camera, on few landmarks. Where depth
@@ -291,17 +292,12 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   const auto measured = frame.features;
   frame = deskewed(std::move(frame), sensor, tracked.velocity);
   const ScopedTimer timer(timings_, "tracking");
-  TrackedFrame rematched = track_local_map({frame, local_map_, sensor, options_.tracking},
-                                           tracked.T_reference_camera, options_.tracking.local_map_window_px);
+  TrackedFrame rematched =
+      track_local_map({frame, local_map_, sensor, options_.tracking}, tracked.T_reference_camera,
+                      options_.tracking.local_map_window_px, without_pose(tracked));
   rematched.evidence.attempts = 1;
   rematched.evidence.with_depth = count_with_depth(rematched.matches, local_map_);
-  rematched.velocity = tracked.velocity;
   rematched = with_motion_prior(std::move(rematched), *measured, sensor);
-  rematched.evidence.surfaces = tracked.evidence.surfaces;
-  rematched.evidence.moved_share = tracked.evidence.moved_share;
-  rematched.evidence.fixed_share = tracked.evidence.fixed_share;
-  rematched.evidence.depth_factor = tracked.evidence.depth_factor;
-  rematched.moved = tracked.moved;
   rematched.doubtful = tracked.doubtful || has_low_recall(rematched, *frame.features);
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
   return rematched;
@@ -330,12 +326,12 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
     find_moved(tracked, measured);
-    const bool doubtful_before = previous_ && lost_frames_ == 0 && previous_->doubtful;
+    const bool doubtful_before = previous_ && state_.lost_frames == 0 && previous_->doubtful;
     tracked.doubtful = is_doubtful(tracked, doubtful_before) || has_low_recall(tracked, *measured.features) ||
                        remains_weak(tracked);
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
-  if (tracked.is_located() && (is_hypothesis(tracked) || lacks_scale(tracked, lacks_scale_)))
+  if (tracked.is_located() && (is_hypothesis(tracked) || lacks_scale(tracked, state_.lacks_scale)))
     tracked.doubtful = true;
   return tracked;
 }
@@ -346,7 +342,7 @@ void Tracker::find_moved(TrackedFrame& tracked, const Frame& frame) const {
   const SE3& T_reference_camera = tracked.T_reference_camera;
   SurfaceAgreement& agreement = tracked.evidence.surfaces;
   agreement = agreement_with_reference(local_map_, frame, T_reference_camera);
-  const bool moved_before = previous_ && lost_frames_ == 0 && !previous_->moved.empty();
+  const bool moved_before = previous_ && state_.lost_frames == 0 && !previous_->moved.empty();
   if (!moved_before && agreement.contradicted_share() < kMinContradicted) return;
   tracked.moved = moved_points(local_map_, frame, T_reference_camera);
   if (tracked.moved.empty()) return;
@@ -371,7 +367,7 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
 
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
 bool Tracker::follows_weak_pose() const {
-  return previous_ && lost_frames_ == 0 && previous_->doubtful && has_few_inliers(*previous_);
+  return previous_ && state_.lost_frames == 0 && previous_->doubtful && has_few_inliers(*previous_);
 }
 
 /// Whether few landmarks support a pose that follows such a one.
@@ -381,8 +377,8 @@ bool Tracker::remains_weak(const TrackedFrame& tracked) const {
 
 /// Whether the motion from the previous frame is known.
 bool Tracker::follows_previous(const TrackedFrame& tracked) const {
-  return tracked.outcome == TrackingOutcome::kTracked && previous_ && lost_frames_ == 0 &&
-         !depth_was_frozen_ && !follows_weak_pose();
+  return tracked.outcome == TrackingOutcome::kTracked && previous_ && state_.lost_frames == 0 &&
+         !state_.depth_was_frozen && !follows_weak_pose();
 }
 
 /// Returns the velocity since the previous frame; zero if it is unknown.
@@ -462,7 +458,7 @@ void Tracker::set_first_velocity(const Velocity& velocity, int64_t interval_ns, 
 
 void Tracker::forget_motion() {
   motion_.reset();
-  depth_was_frozen_ = true;
+  state_.depth_was_frozen = true;
 }
 
 void Tracker::reset() {
@@ -471,22 +467,15 @@ void Tracker::reset() {
   recent_.clear();
   local_map_ = {};
   motion_.reset();
-  lost_frames_ = 0;
-  hypothesis_since_ns_.reset();
-  doubtful_since_ns_.reset();
-  depth_was_frozen_ = lacks_scale_ = false;
-  moved_ns_.reset();
+  state_ = {};
 }
 
 void Tracker::express_previous_in(KeyframeId reference, const Map& map) {
-  const auto express = [&](auto& pose) {
-    if (!pose.reference.valid() || pose.reference == reference) return;
-    pose.T_reference_camera = map.keyframe(reference).T_world_camera.inverse() *
-                              map.keyframe(pose.reference).T_world_camera * pose.T_reference_camera;
-    pose.reference = reference;
+  const auto express = [&](KeyframePose& pose) {
+    if (pose.reference.valid()) pose = pose.in(reference, map);
   };
   if (previous_) express(*previous_);
-  if (trusted_ && map.keyframe(trusted_->reference).withdrawn) express(*trusted_);
+  if (trusted_ && map.keyframe(trusted_->pose.reference).withdrawn) express(trusted_->pose);
   for (TrackedFrame& frame : recent_) express(frame);
 }
 
@@ -510,26 +499,26 @@ void Tracker::remember(const TrackedFrame& latest) {
   } else {
     motion_.reset();
   }
-  depth_was_frozen_ = false;
+  state_.depth_was_frozen = false;
   // Not by keypoints alone, which also seem to move at the edge of a mask.
-  if (latest.evidence.moved_share > 0) moved_ns_ = latest.stamp_ns;
-  if (latest.is_lost() && hypothesis_since_ns_) previous_.reset();  // it may have been elsewhere
-  keep_since(hypothesis_since_ns_, is_hypothesis(latest), latest.stamp_ns);
+  if (latest.evidence.moved_share > 0) state_.moved_ns = latest.stamp_ns;
+  if (latest.is_lost() && state_.hypothesis_since_ns) previous_.reset();  // it may have been elsewhere
+  keep_since(state_.hypothesis_since_ns, is_hypothesis(latest), latest.stamp_ns);
   if (latest.is_lost()) {
-    if (lost_frames_++ == 0) lost_since_ns_ = latest.stamp_ns;
+    if (state_.lost_frames++ == 0) state_.lost_since_ns = latest.stamp_ns;
   } else {
-    keep_since(doubtful_since_ns_, latest.doubtful, latest.stamp_ns);
-    lacks_scale_ = latest.is_located() && lacks_scale(latest, lacks_scale_);
-    lost_frames_ = 0;
+    keep_since(state_.doubtful_since_ns, latest.doubtful, latest.stamp_ns);
+    state_.lacks_scale = latest.is_located() && lacks_scale(latest, state_.lacks_scale);
+    state_.lost_frames = 0;
     previous_ = latest;
-    if (!latest.doubtful && latest.reference.valid())
-      trusted_ = {latest.reference, latest.T_reference_camera, latest.velocity, latest.stamp_ns};
+    if (!latest.doubtful && latest.reference.valid()) trusted_ = {latest, latest.velocity, latest.stamp_ns};
     keep_recent(latest);
   }
 }
 
 bool Tracker::expects_keypoints() const {
-  return !previous_ || previous_->features().has_descriptors() || lost_frames_ > 0 || hypothesis_since_ns_;
+  return !previous_ || previous_->features().has_descriptors() || state_.lost_frames > 0 ||
+         state_.hypothesis_since_ns;
 }
 
 }  // namespace kinloop

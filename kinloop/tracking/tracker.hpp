@@ -34,12 +34,12 @@ struct TrackingContext {
   const Relocalizer& relocalize;
 };
 
-/// Keeps the previous frame, the local map and the motion model. Only `update` changes them.
+/// Keeps the previous frame, the local map and the motion model. `track` does not change them.
 class Tracker {
  public:
-  /// `timings`, to which the time of each stage is added, must outlive this object.
-  Tracker(const Sensor& sensor, const TrackerOptions& options, Timings& timings)
-      : options_(options), front_end_(sensor, options.features), timings_(timings) {}
+  /// `front_end` and `timings`, to which the time of each stage is added, must outlive this object.
+  Tracker(const FrontEnd& front_end, const TrackerOptions& options, Timings& timings)
+      : options_(options), front_end_(front_end), timings_(timings) {}
 
   /// Tracks a prepared frame from the current state.
   [[nodiscard]] TrackedFrame track(const Frame& measured, const TrackingContext& context) const;
@@ -83,13 +83,13 @@ class Tracker {
   [[nodiscard]] bool expects_keypoints() const;
 
   /// Returns since when the poses have been in doubt, lost frames left out; nullopt if the latest is not.
-  [[nodiscard]] std::optional<int64_t> doubtful_since_ns() const { return doubtful_since_ns_; }
+  [[nodiscard]] std::optional<int64_t> doubtful_since_ns() const { return state_.doubtful_since_ns; }
 
   /// Forgets the last pose beyond doubt.
   void forget_trusted() { trusted_.reset(); }
 
   /// Returns the last pose beyond doubt; nullopt before the first.
-  [[nodiscard]] const std::optional<TrustedPose>& trusted() const { return trusted_; }
+  [[nodiscard]] const std::optional<CameraMotion>& trusted() const { return trusted_; }
 
   /// Returns the reference keyframe of the local map; invalid before the first.
   [[nodiscard]] KeyframeId reference() const { return local_map_.reference; }
@@ -131,22 +131,27 @@ class Tracker {
   void keep_recent(const TrackedFrame& latest);
   void express_previous_in(KeyframeId reference, const Map& map);
 
+  /// What the frames until now say of the next one.
+  struct State {
+    int lost_frames = 0;              // in a row
+    int64_t lost_since_ns = 0;        // if there are any
+    std::optional<int64_t> moved_ns;  // when something moved last
+    /// Since when the camera is thought to be where it was relocalized, without confirmation.
+    std::optional<int64_t> hypothesis_since_ns;
+    std::optional<int64_t> doubtful_since_ns;  // are the poses, but for lost frames
+    bool depth_was_frozen = false;             // see `forget_motion`
+    bool lacks_scale = false;                  // the previous pose, see `lacks_scale`
+  };
+
   TrackerOptions options_;
-  FrontEnd front_end_;
+  const FrontEnd& front_end_;
   Timings& timings_;
   std::optional<TrackedFrame> previous_;  // the last frame with a pose; none before the first
-  std::optional<TrustedPose> trusted_;    // the last pose beyond doubt
+  std::optional<CameraMotion> trusted_;   // the last pose beyond doubt
   std::deque<TrackedFrame> recent_;       // tracked without interruption until `previous_`, oldest first
   LocalMap local_map_;
   MotionModel motion_;
-  int lost_frames_ = 0;              // in a row
-  int64_t lost_since_ns_ = 0;        // if there are any
-  std::optional<int64_t> moved_ns_;  // when something moved last
-  /// Since when the camera is thought to be where it was relocalized, without confirmation.
-  std::optional<int64_t> hypothesis_since_ns_;
-  std::optional<int64_t> doubtful_since_ns_;  // are the poses, but for lost frames
-  bool depth_was_frozen_ = false;             // see `forget_motion`
-  bool lacks_scale_ = false;                  // the previous pose, see `lacks_scale`
+  State state_;
 };
 
 }  // namespace kinloop

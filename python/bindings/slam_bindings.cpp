@@ -97,8 +97,8 @@ auto reading(const Read& read) {
 }
 
 /// The last frame; null if it was lost or there was none.
-const TrackedFrame* last_located(const Slam& slam) {
-  const TrackedFrame* last = slam.latest();
+const EstimatedFrame* last_located(const Slam& slam) {
+  const EstimatedFrame* last = slam.latest();
   return last == nullptr || last->is_lost() ? nullptr : last;
 }
 
@@ -107,27 +107,23 @@ bool is_lost(const Slam& slam) {
 }
 
 bool is_doubtful(const Slam& slam) {
-  const TrackedFrame* last = last_located(slam);
+  const EstimatedFrame* last = last_located(slam);
   return last != nullptr && last->doubtful;
 }
 
 py::object last_T_map_odom(Run& run) {
-  const SE3 T = without_gil([&] {
-    return run.with_slam([](const Slam& slam) {
-      const TrackedFrame* last = slam.latest();
-      return last == nullptr ? SE3{} : last->T_map_odom;
-    });
-  });
+  const SE3 T =
+      without_gil([&] { return run.with_slam([](const Slam& slam) { return slam.T_map_odom(); }); });
   return py::cast(T.matrix());
 }
 
 double last_sigma_m(const Slam& slam) {
-  const TrackedFrame* last = last_located(slam);
+  const EstimatedFrame* last = last_located(slam);
   return last == nullptr ? 0 : position_sigma_m(last->world_covariance);
 }
 
 Matrix6d last_covariance(const Slam& slam) {
-  const TrackedFrame* last = last_located(slam);
+  const EstimatedFrame* last = last_located(slam);
   return last == nullptr ? Matrix6d(Matrix6d::Zero()) : last->world_covariance;
 }
 

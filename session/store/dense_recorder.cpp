@@ -118,8 +118,8 @@ std::vector<PosedImage> DenseRecorder::views(const FrameLog& log, const Map& map
   for (size_t i = 0; i < recorded_.size(); ++i) {
     const auto entry = entry_of.find(recorded_[i].frame);
     if (entry == entry_of.end()) continue;
-    const TrackedFrame& logged = log[entry->second];
-    views.push_back({i, world_pose(logged, map), velocities[entry->second],
+    const LoggedFrame& logged = log[entry->second];
+    views.push_back({i, logged.world(map), velocities[entry->second],
                      static_cast<double>(logged.depth_stamp_difference_s)});
   }
   return views;

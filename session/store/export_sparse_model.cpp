@@ -15,7 +15,7 @@ namespace {
 
 std::vector<FrameImage> model_views(const OpenMap& open, const std::vector<PosedImage>& views) {
   std::unordered_map<FrameId, int64_t> stamp_of;
-  for (const TrackedFrame& entry : open.log) stamp_of.emplace(entry.id, entry.stamp_ns);
+  for (const LoggedFrame& entry : open.log) stamp_of.emplace(entry.id, entry.stamp_ns);
   std::vector<FrameImage> with_frames;
   for (const PosedImage& view : views) {
     const FrameId frame = open.recorder.frame_of_image(view.image);

@@ -186,13 +186,13 @@ uint32_t OpenMap::component(size_t number) const {
 
 std::vector<PosedImage> OpenMap::views(size_t number) const {
   if (poses.empty()) return recorder.views(log, map, component(number));
-  std::unordered_map<FrameId, const TrackedFrame*> entry_of;
-  for (const TrackedFrame& entry : log) entry_of.emplace(entry.id, &entry);
+  std::unordered_map<FrameId, const LoggedFrame*> entry_of;
+  for (const LoggedFrame& entry : log) entry_of.emplace(entry.id, &entry);
   std::vector<PosedImage> views;
   for (size_t i = 0; i < recorder.image_count(); ++i) {
     const auto entry = entry_of.find(recorder.frame_of_image(i));
     if (entry == entry_of.end()) continue;
-    const TrackedFrame& frame = *entry->second;
+    const LoggedFrame& frame = *entry->second;
     const auto T_world_camera = pose_at(poses, frame.stamp_ns, kMaxAssociationNs * 2);
     if (!T_world_camera) continue;
     views.push_back({i, *T_world_camera, velocity_at(poses, frame.stamp_ns),
@@ -223,12 +223,12 @@ size_t OpenMap::session_index(size_t number) const {
   return (number == 0 ? count : number) - 1;
 }
 
-std::span<const TrackedFrame> OpenMap::session_log(size_t number) const {
+std::span<const LoggedFrame> OpenMap::session_log(size_t number) const {
   const auto& sessions = saved.sessions;
   if (sessions.empty() && number == 0) return log;
   const size_t index = session_index(number);
   const auto at = [&](FrameId first) {
-    return std::find_if(log.begin(), log.end(), [=](const TrackedFrame& entry) { return entry.id >= first; });
+    return std::find_if(log.begin(), log.end(), [=](const LoggedFrame& entry) { return entry.id >= first; });
   };
   const auto begin = at(sessions[index].first_frame);
   const auto end = index + 1 < sessions.size() ? at(sessions[index + 1].first_frame) : log.end();

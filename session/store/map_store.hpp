@@ -105,7 +105,7 @@ struct OpenMap {
   ColoredCloud cloud(size_t number, int threads, const Progress& progress);
 
   /// Returns the frames of session `number`, counted from 1; 0: of the last.
-  [[nodiscard]] std::span<const TrackedFrame> session_log(size_t number) const;
+  [[nodiscard]] std::span<const LoggedFrame> session_log(size_t number) const;
 
   /// Returns the index into `saved.sessions`, which must not be empty, of session `number` as above. Throws
   /// UsageError if there is none.

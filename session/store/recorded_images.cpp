@@ -19,14 +19,14 @@ FrameAtStamp frames_to_read(const OpenMap& open, size_t session, size_t count) {
   const size_t known = open.views(session).size();
   std::unordered_set<FrameId> with_image;
   for (size_t i = 0; i < open.recorder.image_count(); ++i) with_image.insert(open.recorder.frame_of_image(i));
-  std::vector<const TrackedFrame*> candidates;
-  for (const TrackedFrame& entry : open.session_log(session)) {
+  std::vector<const LoggedFrame*> candidates;
+  for (const LoggedFrame& entry : open.session_log(session)) {
     if (!entry.is_lost() && !entry.doubtful && !with_image.contains(entry.id)) candidates.push_back(&entry);
   }
   FrameAtStamp chosen;
   const size_t missing = std::min(count - std::min(count, known), candidates.size());
   for (size_t i = 0; i < missing; ++i) {
-    const TrackedFrame& frame = *candidates[(2 * i + 1) * candidates.size() / (2 * missing)];
+    const LoggedFrame& frame = *candidates[(2 * i + 1) * candidates.size() / (2 * missing)];
     chosen.emplace(frame.stamp_ns, frame.id);
   }
   return chosen;

@@ -22,9 +22,9 @@ json poses_json(const Trajectory& trajectory) {
   return {{"stamps_ns", stamps_ns}, {"poses", poses}};
 }
 
-json frames_json(std::span<const TrackedFrame> session) {
+json frames_json(std::span<const LoggedFrame> session) {
   json stamps_ns = json::array(), located = json::array(), doubtful = json::array();
-  for (const TrackedFrame& frame : session) {
+  for (const LoggedFrame& frame : session) {
     stamps_ns.push_back(frame.stamp_ns);
     located.push_back(!frame.is_lost());
     doubtful.push_back(frame.doubtful);

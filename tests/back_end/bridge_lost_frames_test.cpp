@@ -33,7 +33,7 @@ TEST_F(LostFrames, BetweenGoodOnesAreBridgedInDoubt) {
   for (size_t i = 40; i < 70; ++i) {
     EXPECT_TRUE(log_[i].doubtful);
     EXPECT_FALSE(log_[i].is_tracked_by_landmarks());
-    EXPECT_NEAR(world_pose(log_[i], map_).translation.x(), x_m(i), 1e-6) << i;
+    EXPECT_NEAR(log_[i].world(map_).translation.x(), x_m(i), 1e-6) << i;
   }
   EXPECT_FALSE(log_[39].doubtful || log_[70].doubtful);
   EXPECT_GT(position_sigma_m(log_[55].covariance), position_sigma_m(log_[41].covariance));

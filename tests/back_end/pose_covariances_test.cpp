@@ -50,14 +50,13 @@ struct Chain {
 
 /// Mean normalised squared errors of translation and rotation, aligned at the first pose.
 Eigen::Vector2d mean_nees(const Chain& chain, const std::vector<Matrix6d>& of_frame, bool of_keyframes) {
-  const SE3 T_world_truth = world_pose(chain.log[0], chain.map) * true_pose(0).inverse();
+  const SE3 T_world_truth = chain.log[0].world(chain.map) * true_pose(0).inverse();
   Eigen::Vector2d sum(0, 0);
   int count = 0;
   for (int i = 1; i < kFrames; ++i) {
     const auto index = static_cast<size_t>(i);
     if (chain.log[index].keyframe.valid() != of_keyframes) continue;
-    const Vector6d e =
-        (world_pose(chain.log[index], chain.map).inverse() * T_world_truth * true_pose(i)).log();
+    const Vector6d e = (chain.log[index].world(chain.map).inverse() * T_world_truth * true_pose(i)).log();
     const Eigen::Matrix3d translation = of_frame[index].topLeftCorner<3, 3>(),
                           rotation = of_frame[index].bottomRightCorner<3, 3>();
     sum += Eigen::Vector2d(e.head<3>().dot(translation.llt().solve(e.head<3>())),
@@ -82,9 +81,9 @@ TEST(PoseCovariances, AreThoseOfAWrongScale) {
   constexpr double kScaleSigma = 0.01;
   const auto without = pose_covariances(chain.log, chain.map, chain.of_residuals),
              with = pose_covariances(chain.log, chain.map, chain.of_residuals, kScaleSigma);
-  const SE3 T_first_world = world_pose(chain.log[0], chain.map).inverse();
+  const SE3 T_first_world = chain.log[0].world(chain.map).inverse();
   for (const size_t i : {size_t{0}, size_t{6}, size_t{100}, size_t{kFrames - 1}}) {
-    const SE3 T_first_camera = T_first_world * world_pose(chain.log[i], chain.map);
+    const SE3 T_first_camera = T_first_world * chain.log[i].world(chain.map);
     const SE3 larger{T_first_camera.rotation, (1 + kScaleSigma) * T_first_camera.translation};
     const Vector6d off = (T_first_camera.inverse() * larger).log();
     const Matrix6d added = with.frames[i] - without.frames[i];

@@ -56,9 +56,9 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
     EXPECT_EQ(limited[i].measurements.empty(), old || !observed);
     EXPECT_EQ(limited[i].refined, old && observed);
     const Map& map = run().slam.map();
-    const SE3 expected = world_pose(unlimited_end[i], map);
-    off_m = std::max(off_m, (world_pose(limited_end[i], map).translation - expected.translation).norm());
-    moved_m = std::max(moved_m, (world_pose(tracked[i], map).translation - expected.translation).norm());
+    const SE3 expected = unlimited_end[i].world(map);
+    off_m = std::max(off_m, (limited_end[i].world(map).translation - expected.translation).norm());
+    moved_m = std::max(moved_m, (tracked[i].world(map).translation - expected.translation).norm());
   }
   EXPECT_GT(moved_m, 1e-3) << "nothing was refined";
   // The velocity, by which 30 ms of readout are compensated, comes from neighbours that are refined or not.

@@ -40,7 +40,7 @@ TEST_F(WithdrawKeyframes, TakesThoseOfTheFramesSinceThen) {
 TEST_F(WithdrawKeyframes, KeepsThePosesInDoubtRelativeToTheLastKeyframeBefore) {
   withdraw_keyframes(50, 0, map_, log_);
   for (size_t i = 0; i < log_.size(); ++i) {
-    EXPECT_NEAR(world_pose(log_[i], map_).translation.x(), x_m(i), 1e-12) << i;
+    EXPECT_NEAR(log_[i].world(map_).translation.x(), x_m(i), 1e-12) << i;
     EXPECT_EQ(log_[i].doubtful, i >= 50) << i;
     EXPECT_LE(log_[i].reference.value, 2) << i;
   }

@@ -75,12 +75,12 @@ TEST(RelocalizeLostFrames, KeepsTheDoubtOfWhatWasFound) {
 TEST(RelocalizeLostFrames, WhatIsFoundWithoutDepthIsInDoubt) {
   const FrameSearch search{nowhere, [](const Frame&, const TrackedFrame&) { return located_at(4); }};
   TrackedFrame without_depth = logged(1, TrackingOutcome::kLost);
-  without_depth.evidence.depth_factor = 0;
+  without_depth.evidence.input.depth_factor = 0;
   const FrameLog log = relocalize_lost_frames(
       {logged(0, TrackingOutcome::kTracked), without_depth, logged(2, TrackingOutcome::kLost)}, kHeight_px,
       search);
   EXPECT_TRUE(log[1].doubtful);
-  EXPECT_EQ(log[1].evidence.depth_factor, 0);
+  EXPECT_EQ(log[1].evidence.input.depth_factor, 0);
   EXPECT_FALSE(log[2].doubtful);
 }
 

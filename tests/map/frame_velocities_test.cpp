@@ -43,7 +43,7 @@ double shift_error_m_s(const Recorded& recorded) {
   const auto velocities = frame_velocities(recorded.log, recorded.map);
   double squares = 0;
   for (size_t i = 1; i + 1 < velocities.size(); ++i) {
-    const SE3 T_world_camera = world_pose(recorded.log[i], recorded.map);
+    const SE3 T_world_camera = recorded.log[i].world(recorded.map);
     const double truth =
         kSwing_m * kRate_rad_s * std::cos(kRate_rad_s * to_seconds(recorded.log[i].stamp_ns));
     squares += std::pow((T_world_camera.R() * velocities[i].linear_m_s).x() - truth, 2);

@@ -140,7 +140,7 @@ TEST_F(JoinedVisits, FramesFollowTheirOwnVisit) {
   locate(3, old_, TrackingOutcome::kTracked);
   std::vector<SE3> before;
   for (const Keyframe& keyframe : map_.keyframes()) before.push_back(keyframe.T_world_camera);
-  const SE3 seen_at = world_pose(log[1], map_);
+  const SE3 seen_at = log[1].world(map_);
   withdraw({{old_, new_}});
   MapUpdate apart;
   apart.epoch = map_.epoch();
@@ -148,7 +148,7 @@ TEST_F(JoinedVisits, FramesFollowTheirOwnVisit) {
   ASSERT_TRUE(map_.apply(apart));
   const FrameLog own = rebased_after_split(log, map_, before);
   EXPECT_EQ(own[1].reference, later_);
-  EXPECT_LT(test::difference(world_pose(own[1], map_), seen_at), 1e-9);
+  EXPECT_LT(test::difference(own[1].world(map_), seen_at), 1e-9);
   EXPECT_THAT(own[1].matches, testing::SizeIs(1)) << "the landmark of the other visit is dropped";
   EXPECT_EQ(own[1].matches[0].landmark, own_);
   for (const size_t i : {2U, 3U}) {

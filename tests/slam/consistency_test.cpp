@@ -36,7 +36,7 @@ void add_room(RunConsistency& sum, const std::string& scene, double share) {
   }
   slam.finish();
   for (const TrackedFrame& frame : slam.session_log()) {
-    frames.push_back({frame.stamp_ns, world_pose(frame, slam.map()), frame.world_covariance});
+    frames.push_back({frame.stamp_ns, frame.world(slam.map()), frame.world_covariance});
     if (frame.keyframe.valid()) keyframes.push_back(frames.back());
   }
   add(sum.keyframes, keyframes, room.truth, share);

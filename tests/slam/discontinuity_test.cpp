@@ -94,7 +94,8 @@ TEST(Discontinuity, AMotionAheadAfterAGapIsNoChangeOfTheScaleOfDepth) {
   while (auto frame = source.next()) slam.process(*frame);
   ASSERT_EQ(slam.log().size(), 20U);
   EXPECT_GE(count_joined(slam, 10), 8) << "the camera is located again";
-  for (const TrackedFrame& entry : slam.log()) EXPECT_EQ(entry.evidence.depth_factor, 1) << entry.stamp_ns;
+  for (const LoggedFrame& entry : slam.log())
+    EXPECT_EQ(entry.evidence.input.depth_factor, 1) << entry.stamp_ns;
 }
 
 class FaultyInput : public testing::TestWithParam<const char*> {};

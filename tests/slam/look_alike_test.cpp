@@ -73,8 +73,8 @@ Found found_in_first(const Slam& slam, const Visits& visits) {
     if (entry.is_lost() || entry.doubtful || slam.map().keyframe(entry.reference).component != 0) continue;
     const SE3 T_world_truth = visits.truth.front().T_world_camera.inverse() * visits.truth[i].T_world_camera;
     ++found.trusted;
-    found.worst_m = std::max(found.worst_m,
-                             (world_pose(entry, slam.map()).translation - T_world_truth.translation).norm());
+    found.worst_m =
+        std::max(found.worst_m, (entry.world(slam.map()).translation - T_world_truth.translation).norm());
   }
   return found;
 }
@@ -144,7 +144,7 @@ TEST(LookAlike, WhereTheSameDoorsRepeatTheCameraIsNotFoundAtTheWrongOne) {
     const auto true_pose = pose_at(truth, entry.stamp_ns, kNsPerSecond);
     ASSERT_TRUE(true_pose);
     const SE3 T_world_truth = truth.front().T_world_camera.inverse() * *true_pose;
-    EXPECT_LT((world_pose(entry, slam.map()).translation - T_world_truth.translation).norm(), 0.5)
+    EXPECT_LT((entry.world(slam.map()).translation - T_world_truth.translation).norm(), 0.5)
         << to_seconds(entry.stamp_ns - truth.front().stamp_ns) << " s";
     ++trusted;
   }

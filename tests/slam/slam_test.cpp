@@ -117,7 +117,7 @@ TEST(Slam, LogsThePosesThatItReturned) {
     const TrackedFrame returned = slam.process(recording().frames[i]);
     const TrackedFrame& logged = slam.log().back();
     ASSERT_FALSE(returned.is_lost());
-    EXPECT_EQ(returned.T_world_camera.matrix(), world_pose(returned, slam.map()).matrix());
+    EXPECT_EQ(returned.T_world_camera.matrix(), returned.world(slam.map()).matrix());
     EXPECT_EQ(logged.T_world_camera.matrix(), returned.T_world_camera.matrix());
     EXPECT_EQ(logged.measurements.size(), returned.matches.size());
     EXPECT_TRUE(returned.frame != nullptr && logged.frame == nullptr) << "the log keeps no images";

@@ -96,7 +96,7 @@ class TrackerOutcome : public testing::Test {
   }
 
   [[nodiscard]] double error_m(const TrackedFrame& tracked, const SE3& truth) const {
-    return test::distance_m(world_pose(tracked, built_.map), truth);
+    return test::distance_m(tracked.world(built_.map), truth);
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);

@@ -18,7 +18,7 @@ MapSummary outline_of(const Map& map) {
   return summary;
 }
 
-FrameEvent event_of(const TrackedFrame& tracked, int inliers) {
+FrameEvent event_of(const FrameRecord& tracked, int inliers) {
   return {tracked.stamp_ns,           tracked.outcome, tracked.method,  tracked.reference,
           tracked.T_reference_camera, inliers,         tracked.doubtful};
 }
@@ -71,9 +71,9 @@ void RunFeed::on_map(const Map& map) {
   events_.covisible.insert(events_.covisible.end(), covisible.begin(), covisible.end());
 }
 
-void RunFeed::on_finish(std::span<const TrackedFrame> log, const Map& map) {
+void RunFeed::on_finish(std::span<const LoggedFrame> log, const Map& map) {
   std::vector<FrameEvent> frames;
-  for (const TrackedFrame& entry : log) {
+  for (const LoggedFrame& entry : log) {
     frames.push_back(event_of(entry, static_cast<int>(entry.measurements.size())));
     // A finished run has no news.
     if (!entry.is_lost()) frames.back().outcome = TrackingOutcome::kTracked;

@@ -66,7 +66,7 @@ class RunFeed : public Listener {
   void on_map(const Map& map) override;
 
   /// Passes on the final path.
-  void on_finish(std::span<const TrackedFrame> log, const Map& map);
+  void on_finish(std::span<const LoggedFrame> log, const Map& map);
 
   /// Returns the events and clears them.
   RunEvents take();

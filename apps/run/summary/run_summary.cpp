@@ -70,9 +70,9 @@ std::vector<PoseWithCovariance> frames_with_covariance(const Slam& slam, uint32_
   const auto keyframes = poses_with_covariance(slam, component);
   if (keyframes.empty()) return {};
   std::vector<PoseWithCovariance> poses = {keyframes.front()};
-  for (const TrackedFrame& frame : slam.session_log()) {
+  for (const LoggedFrame& frame : slam.session_log()) {
     if (!is_tracked_in(component, frame, slam.map()) || frame.keyframe.valid() || frame.doubtful) continue;
-    poses.push_back({frame.stamp_ns, world_pose(frame, slam.map()), frame.world_covariance});
+    poses.push_back({frame.stamp_ns, frame.world(slam.map()), frame.world_covariance});
   }
   return poses;
 }

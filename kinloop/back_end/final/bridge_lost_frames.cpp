@@ -16,12 +16,12 @@ Velocity velocity_noise() {
 }
 
 /// Whether an end of a bridge may be here.
-bool is_held(const TrackedFrame& entry) {
+bool is_held(const LoggedFrame& entry) {
   return !entry.is_lost() && !entry.doubtful;
 }
 
 MovingCamera moving_camera(const FrameLog& log, size_t i, const Map& map) {
-  return {log[i].stamp_ns, world_pose(log[i], map), frame_velocity(log, i, map)};
+  return {log[i].stamp_ns, log[i].world(map), frame_velocity(log, i, map)};
 }
 
 /// The acceleration noise of the frames that have a pose, from the changes of their velocity.
@@ -64,7 +64,7 @@ FrameLog bridge_lost_frames(FrameLog log, size_t first, const Map& map) {
     const SE3 T_reference_world = map.keyframe(log[*start].reference).T_world_camera.inverse();
     for (size_t k = *start + 1; k < i; ++k) {
       const BridgedPose pose = bridge_motion(before, after, log[k].stamp_ns, *noise, velocity_noise());
-      TrackedFrame& entry = log[k];
+      LoggedFrame& entry = log[k];
       entry.outcome = TrackingOutcome::kTracked;
       entry.method = TrackingMethod::kBridged;
       entry.doubtful = true;

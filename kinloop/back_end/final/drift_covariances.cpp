@@ -26,7 +26,7 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, const Mat
   // The error of an edge has half the angle.
   Vector6d to_error;
   to_error << 1, 1, 1, 2, 2, 2;
-  return {a.value, b.value, current_pose(map, a, b),
+  return {a.value, b.value, map.relative_pose(a, b),
           to_error.asDiagonal() * information * to_error.asDiagonal()};
 }
 

@@ -52,13 +52,13 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
                                                 since_first(keyframe.id, keyframe.T_world_camera)));
   }
   for (size_t i = 0; i < log.size(); ++i) {
-    const TrackedFrame& entry = log[i];
+    const LoggedFrame& entry = log[i];
     Matrix6d covariance = Matrix6d::Zero();
     if (entry.keyframe.valid()) {
       covariance = all.keyframes[entry.keyframe.value];
     } else if (!entry.is_lost() && !(entry.covariance.isZero(0) && scatter[i].isZero(0))) {
       covariance = transported(of_map(entry.reference), entry.T_reference_camera) + entry.covariance +
-                   scatter[i] + since_first(entry.reference, world_pose(entry, map));
+                   scatter[i] + since_first(entry.reference, entry.world(map));
     }
     all.frames.push_back(covariance.allFinite() ? covariance : Matrix6d(Matrix6d::Zero()));
   }

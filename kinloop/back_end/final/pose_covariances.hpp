@@ -15,7 +15,7 @@ struct PoseCovariances {
 };
 
 /// Adds to the covariances of the keyframes (by id, relative to the first of the component; those beyond the
-/// end are zero) and of the frames given the landmarks (TrackedFrame::covariance) what the keypoints of a
+/// end are zero) and of the frames given the landmarks (EstimatedFrame::covariance) what the keypoints of a
 /// frame share: the scatter of the poses around it and around the first keyframe (pose_scatter). Also adds
 /// what an error of the scale of all depths does (1 sigma, relative), which grows with the distance.
 PoseCovariances pose_covariances(const FrameLog& log, const Map& map,

@@ -20,7 +20,7 @@ KeypointMeasurement measurement_of(const MatchMeasurement& seen, float depth_sta
   return o;
 }
 
-std::vector<PoseObservation> pose_observations(const TrackedFrame& entry, const Map& map) {
+std::vector<PoseObservation> pose_observations(const LoggedFrame& entry, const Map& map) {
   std::vector<PoseObservation> observations;
   for (size_t i = 0; i < entry.measurements.size(); ++i) {
     const LandmarkId landmark = map.resolve_merged(entry.matches[i].landmark);
@@ -39,7 +39,7 @@ struct RefinedPose {
 
 /// Returns the refined pose of frame `i`, or the present one if it has nothing to refine.
 RefinedPose refined_pose(const FrameLog& log, size_t i, const FrameRefinement& refinement) {
-  const TrackedFrame& entry = log[i];
+  const LoggedFrame& entry = log[i];
   if (entry.keyframe.valid() || entry.is_repeat() || entry.measurements.empty() ||
       !entry.is_tracked_by_landmarks())
     return {entry.T_reference_camera, entry.covariance};
@@ -50,7 +50,7 @@ RefinedPose refined_pose(const FrameLog& log, size_t i, const FrameRefinement& r
   const auto observations = pose_observations(entry, map);
   AbsolutePoseOptions strict = refinement.options;
   strict.min_inliers = static_cast<int>(std::max(kMinInliers, observations.size() / 2 + 1));
-  const RollingShutterPose guess{world_pose(entry, map), frame_velocity(log, i, map)};
+  const RollingShutterPose guess{entry.world(map), frame_velocity(log, i, map)};
   const auto found = solve_rolling_shutter_pose(refinement.sensor, observations, guess, {}, strict);
   const SE3 T_world_camera = found ? found->T_world_camera : guess.T_world_camera;
   return {map.keyframe(entry.reference).T_world_camera.inverse() * T_world_camera,
@@ -86,7 +86,7 @@ FrameLog refine_frames(FrameLog log, const FrameRefinement& refinement, FrameSel
     }
   });
   for (size_t i = 0; i < log.size(); ++i) {
-    TrackedFrame& entry = log[i];
+    LoggedFrame& entry = log[i];
     entry.T_reference_camera = refined[i].T_reference_camera;
     entry.covariance = refined[i].covariance;
     if (entry.keyframe.valid()) {
@@ -101,14 +101,14 @@ FrameLog refine_frames(FrameLog log, const FrameRefinement& refinement, FrameSel
 }
 
 void LogLimiter::apply(FrameLog& log, size_t first, const FrameRefinement& refinement) {
-  if (log.back().frame) lost_.push_back(log.size() - 1);
+  if (log.back().lost) lost_.push_back(log.size() - 1);
   if (lost_.size() > limits_.lost_frames) {
-    log[lost_.front()].frame.reset();
+    log[lost_.front()].lost.reset();
     lost_.pop_front();
   }
   if (log.size() - first <= limits_.refinable_frames) return;
   const size_t oldest = log.size() - 1 - limits_.refinable_frames;
-  TrackedFrame& entry = log[oldest];
+  LoggedFrame& entry = log[oldest];
   const RefinedPose refined = refined_pose(log, oldest, refinement);
   entry.T_reference_camera = refined.T_reference_camera;
   entry.covariance = refined.covariance;

@@ -13,13 +13,12 @@ namespace kinloop {
 namespace {
 
 /// Whether the position is off the one that the velocity before predicts by more than a hand causes.
-bool jumps(const TrackedFrame& before, const TrackedFrame& previous, const TrackedFrame& entry,
-           const Map& map) {
+bool jumps(const LoggedFrame& before, const LoggedFrame& previous, const LoggedFrame& entry, const Map& map) {
   const double baseline_s = to_seconds(previous.stamp_ns - before.stamp_ns);
   const double interval_s = to_seconds(entry.stamp_ns - previous.stamp_ns);
   if (!(baseline_s > 0)) return false;
-  const Eigen::Vector3d p0 = world_pose(before, map).translation, p1 = world_pose(previous, map).translation,
-                        p2 = world_pose(entry, map).translation;
+  const Eigen::Vector3d p0 = before.world(map).translation, p1 = previous.world(map).translation,
+                        p2 = entry.world(map).translation;
   const double off_m = (p2 - p1 - (p1 - p0) * interval_s / baseline_s).norm();
   return exceeds_hand_motion(off_m, interval_s, baseline_s);
 }
@@ -27,8 +26,8 @@ bool jumps(const TrackedFrame& before, const TrackedFrame& previous, const Track
 /// One of two poses that jump is wrong, and perhaps both are.
 void doubt_jumps(FrameLog& log, size_t first, const Map& map) {
   for (size_t i = first + 2; i < log.size(); ++i) {
-    const TrackedFrame &before = log[i - 2], &previous = log[i - 1], &entry = log[i];
-    const auto unmeasured = [](const TrackedFrame& frame) { return frame.is_lost() || frame.is_repeat(); };
+    const LoggedFrame &before = log[i - 2], &previous = log[i - 1], &entry = log[i];
+    const auto unmeasured = [](const LoggedFrame& frame) { return frame.is_lost() || frame.is_repeat(); };
     if (unmeasured(before) || unmeasured(previous) || unmeasured(entry)) continue;
     const uint32_t component = map.keyframe(entry.reference).component;
     if (!is_tracked_in(component, before, map) || !is_tracked_in(component, previous, map)) continue;
@@ -37,21 +36,21 @@ void doubt_jumps(FrameLog& log, size_t first, const Map& map) {
 }
 
 /// The share of what has not moved that contradicts the pose.
-double contradicted_share(const TrackedFrame& entry) {
+double contradicted_share(const LoggedFrame& entry) {
   const SurfaceAgreement& surfaces = entry.evidence.surfaces;
   return surfaces.decides() ? surfaces.contradicted_share() : 0;
 }
 
 /// The share of the view that has moved or contradicts the pose.
-double conflicting_share(const TrackedFrame& entry) {
+double conflicting_share(const LoggedFrame& entry) {
   const double moved = entry.evidence.moved_share;
   return moved + (1 - moved) * contradicted_share(entry);
 }
 
 /// The mean of a share over the 1/3 s before or after each frame, whichever is less: what begins or ends at a
 /// frame does not reach beyond it.
-std::vector<double> lasting(std::span<const TrackedFrame> log, size_t first,
-                            double (&share)(const TrackedFrame&)) {
+std::vector<double> lasting(std::span<const LoggedFrame> log, size_t first,
+                            double (&share)(const LoggedFrame&)) {
   constexpr int64_t kWindow_ns = kNsPerSecond / 3;
   std::vector<double> sums(first + 1, 0);  // of the frames before each one
   for (size_t i = first; i < log.size(); ++i) sums.push_back(sums.back() + share(log[i]));

@@ -31,7 +31,7 @@ class LoopDecisionJob {
   void record_contradicted(const std::vector<LoopEnds>& joins) { hypotheses_.record_contradicted(joins); }
 
   /// Records the first keyframe of a component and the last trusted pose before it.
-  void add_beginning(KeyframeId first, const TrustedPose& before) {
+  void add_beginning(KeyframeId first, const CameraMotion& before) {
     hypotheses_.add_beginning(first, before);
   }
 

@@ -230,7 +230,7 @@ void read_other_loops(const DatabaseReader& file, const Renumbered& ids, MapData
 }
 
 /// Sets outcome and method from the numbers in the file.
-void set_status(TrackedFrame& frame, int64_t status, bool repeat) {
+void set_status(FrameRecord& frame, int64_t status, bool repeat) {
   constexpr int64_t kTracked = 0, kDense = 1;
   if (status != kTracked && status != kDense) return;
   frame.outcome = TrackingOutcome::kTracked;
@@ -238,11 +238,11 @@ void set_status(TrackedFrame& frame, int64_t status, bool repeat) {
   if (repeat) frame.method = TrackingMethod::kRepeat;
 }
 
-FrameLog read_frames(const DatabaseReader& file, const Renumbered& ids) {
-  FrameLog frames;
+std::vector<FrameRecord> read_frames(const DatabaseReader& file, const Renumbered& ids) {
+  std::vector<FrameRecord> frames;
   file.read(tables::kFrame, [&](int64_t, const Row& cells) {
     RowReader row(cells);
-    TrackedFrame frame;
+    FrameRecord frame;
     frame.id = FrameId{take_index(row, kMaxFrames)};
     frame.stamp_ns = take_stamp(row);
     const int64_t status = row.take_in<int64_t>(0, kMaxStatus);

@@ -125,16 +125,16 @@ void write_landmarks(DatabaseWriter& file, const MapData& map) {
 }
 
 /// The number of a frame's status in the file.
-int64_t status_number(const TrackedFrame& frame) {
+int64_t status_number(const FrameRecord& frame) {
   if (frame.is_lost()) return 2;
   return frame.method == TrackingMethod::kDense ? 1 : 0;
 }
 
-void write_frames(DatabaseWriter& file, const FrameLog& frames) {
+void write_frames(DatabaseWriter& file, const std::vector<FrameRecord>& frames) {
   file.create(tables::kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"},
                                         {"depth_lag_s", "doubtful"}));
   int64_t id = 0;
-  for (const TrackedFrame& frame : frames) {
+  for (const FrameRecord& frame : frames) {
     Row row = {int64_t{frame.id.value},       frame.stamp_ns,
                status_number(frame),          int64_t{frame.reference.value},
                int64_t{frame.keyframe.value}, int64_t{frame.is_repeat()}};

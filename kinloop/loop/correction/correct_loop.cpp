@@ -11,7 +11,7 @@ namespace {
 
 PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int shared,
                            const LoopOptions& options) {
-  return {a.value, b.value, current_pose(map, a, b), edge_information(shared, options), true};
+  return {a.value, b.value, map.relative_pose(a, b), edge_information(shared, options), true};
 }
 
 /// Edges from a keyframe to its predecessor and to older keyframes that share many landmarks and satisfy
@@ -19,7 +19,7 @@ PoseGraphEdge edge_between(const Map& map, KeyframeId a, KeyframeId b, int share
 template <class Predicate>
 void add_edges_to_older(const Map& map, const Keyframe& keyframe, const LoopOptions& options,
                         const Predicate& is_wanted, std::vector<PoseGraphEdge>& edges) {
-  const auto previous = predecessor(map, keyframe);
+  const auto previous = map.predecessor(keyframe.id);
   bool connected_to_previous = !previous;
   for (const auto& [older, shared] : map.covisible_keyframes(keyframe.id, 1)) {
     if (older > keyframe.id) continue;
@@ -113,18 +113,6 @@ PoseGraph without(PoseGraph graph, size_t loops, const std::vector<size_t>& left
 
 }  // namespace
 
-SE3 current_pose(const Map& map, KeyframeId a, KeyframeId b) {
-  return map.keyframe(a).T_world_camera.inverse() * map.keyframe(b).T_world_camera;
-}
-
-std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe) {
-  if (keyframe.begins_component) return std::nullopt;
-  for (uint32_t id = keyframe.id.value; id-- > 0;) {
-    if (map.keyframe(KeyframeId{id}).visit == keyframe.visit) return KeyframeId{id};
-  }
-  return std::nullopt;
-}
-
 Matrix6d edge_information(int shared, const LoopOptions& options) {
   const double metres = options.landmark_sigma_m;
   const double half_radians =
@@ -162,7 +150,7 @@ PoseGraph make_pose_graph(const Map& map, const LoopOptions& options, LoopEdges 
         map, keyframe, options, [](KeyframeId) { return true; }, graph.edges);
   for (const LoopClosure& loop : map.loop_closures()) {
     const bool by_map = loops == LoopEdges::kAsCorrected && loop.corrected;
-    const SE3 T_a_b = by_map ? current_pose(map, loop.a, loop.b) : loop.T_a_b;
+    const SE3 T_a_b = by_map ? map.relative_pose(loop.a, loop.b) : loop.T_a_b;
     graph.edges.push_back({loop.a.value, loop.b.value, T_a_b, loop.information});
   }
   return graph;

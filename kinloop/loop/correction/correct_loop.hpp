@@ -40,12 +40,6 @@ struct LoopCorrectionProblem {
   uint32_t epoch = 0;
 };
 
-/// Returns the keyframe preceding this one in its visit; nullopt if its motion from there is unknown.
-std::optional<KeyframeId> predecessor(const Map& map, const Keyframe& keyframe);
-
-/// Returns the pose of keyframe `b` in keyframe `a`.
-SE3 current_pose(const Map& map, KeyframeId a, KeyframeId b);
-
 /// The relative poses of loop closures in a pose graph.
 enum class LoopEdges {
   kAsMeasured,

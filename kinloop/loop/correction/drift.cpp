@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "kinloop/loop/correction/correct_loop.hpp"
-
 namespace kinloop {
 namespace {
 
@@ -30,9 +28,9 @@ double path_length_m(const SE3& T_a_b) {
 std::vector<PathStep> path_steps(const Map& map) {
   std::vector<PathStep> steps;
   for (const Keyframe& keyframe : map.keyframes()) {
-    const auto previous = predecessor(map, keyframe);
+    const auto previous = map.predecessor(keyframe.id);
     if (!previous) continue;
-    const SE3 T_a_b = map.keyframe(*previous).T_world_camera.inverse() * keyframe.T_world_camera;
+    const SE3 T_a_b = map.relative_pose(*previous, keyframe.id);
     steps.push_back({previous->value, keyframe.id.value, path_length_m(T_a_b)});
   }
   for (const LoopClosure& loop : map.loop_closures())
@@ -81,8 +79,7 @@ double direction_bound_rad(const DriftBound& bound, const Eigen::Vector3d& p_cam
 std::optional<PredictedView> predict_view(const Map& map, KeyframeId reference, KeyframeId camera,
                                           double travelled_m) {
   if (!std::isfinite(travelled_m)) return std::nullopt;
-  const SE3 T_reference_camera =
-      map.keyframe(reference).T_world_camera.inverse() * map.keyframe(camera).T_world_camera;
+  const SE3 T_reference_camera = map.relative_pose(reference, camera);
   return PredictedView{T_reference_camera, drift_bound(travelled_m)};
 }
 

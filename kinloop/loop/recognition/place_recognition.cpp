@@ -23,7 +23,7 @@ bool shows_place_of(const TrackedFrame& found, KeyframeId keyframe, const Map& m
   constexpr double kMaxDistance_m = 0.5;
   if (map.keyframe(keyframe).component != map.keyframe(found.reference).component) return false;
   const double distance_m =
-      (world_pose(found, map).translation - map.keyframe(keyframe).T_world_camera.translation).norm();
+      (found.world(map).translation - map.keyframe(keyframe).T_world_camera.translation).norm();
   const auto group = covisible_group(map, found.reference);
   return distance_m < kMaxDistance_m || std::binary_search(group.begin(), group.end(), keyframe);
 }
@@ -74,7 +74,7 @@ std::vector<KeyframeId> views_around(const Map& map, uint32_t component, const E
 /// Whether the frame itself contradicts the pose that was found for it.
 bool contradicts_pose(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
   LocationEvidence evidence = compare_with_views(map, map.keyframe(found.reference).component, end_of(map),
-                                                 *in.frame.features, world_pose(found, map), in.sensor);
+                                                 *in.frame.features, found.world(map), in.sensor);
   evidence.scale = measure_scale(in, found.T_reference_camera);
   LocationCheck check;
   check.add(evidence, false);
@@ -136,7 +136,7 @@ std::optional<TrackedFrame> PlaceRecognition::relocalize(const Frame& frame, con
     if (!fits_better(*rival, *best)) return std::nullopt;
     best = std::move(rival);
   }
-  if (best && is_aliased(map.keyframe(best->reference).component, world_pose(*best, map).translation, map))
+  if (best && is_aliased(map.keyframe(best->reference).component, best->world(map).translation, map))
     return std::nullopt;
   return best;
 }
@@ -193,7 +193,7 @@ LocationEvidence PlaceRecognition::examine(const TrackedFrame& tracked, const Ma
                                            KeyframeId end) const {
   const auto& [sensor, options] = context_;
   LocationEvidence evidence = compare_with_views(map, map.keyframe(tracked.reference).component, end,
-                                                 tracked.features(), world_pose(tracked, map), sensor);
+                                                 tracked.features(), tracked.world(map), sensor);
   // Landmarks that this visit has made have the scale of its own depth.
   if (tracked.reference < end) {
     const LocalMap local_map = make_local_map(map, tracked.reference, options.local_map);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "kinloop/loop/correction/correct_loop.hpp"
-
 namespace kinloop {
 namespace {
 
@@ -54,7 +52,7 @@ std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& lat
   });
   if (earlier == nullptr) return std::nullopt;
   return JoinedViews{visits,
-                     {view_of(*earlier), view_of(later), current_pose(map, earlier->id, later.id), away_m}};
+                     {view_of(*earlier), view_of(later), map.relative_pose(earlier->id, later.id), away_m}};
 }
 
 }  // namespace

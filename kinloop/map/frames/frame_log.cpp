@@ -38,10 +38,10 @@ std::vector<MatchMeasurement> measurements_of(const std::vector<LandmarkMatch>& 
 
 /// Calls `use` with each frame whose pose belongs to the trajectory.
 template <class Use>
-void for_frames_of_trajectory(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful,
+void for_frames_of_trajectory(std::span<const LoggedFrame> log, const Map& map, DoubtfulPoses doubtful,
                               const Use& use) {
   const uint32_t component = main_component(log, map);
-  for (const TrackedFrame& entry : log) {
+  for (const LoggedFrame& entry : log) {
     if (!is_tracked_in(component, entry, map)) continue;
     if (entry.doubtful && doubtful == DoubtfulPoses::kLeftOut) continue;
     use(entry);
@@ -50,30 +50,35 @@ void for_frames_of_trajectory(std::span<const TrackedFrame> log, const Map& map,
 
 }  // namespace
 
-TrackedFrame log_entry(TrackedFrame tracked, int image_height_px) {
-  tracked.measurements = measurements_of(tracked.matches, tracked.features(), image_height_px);
-  tracked.frame = tracked.is_lost() ? without_images(*tracked.frame) : nullptr;
-  tracked.moved.release();
-  return tracked;
+void lose(LoggedFrame& frame) {
+  lose(static_cast<EstimatedFrame&>(frame));
+  frame.measurements.clear();
+}
+
+LoggedFrame log_entry(const TrackedFrame& tracked, int image_height_px) {
+  LoggedFrame entry;
+  static_cast<EstimatedFrame&>(entry) = tracked;
+  entry.measurements = measurements_of(tracked.matches, tracked.features(), image_height_px);
+  if (tracked.is_lost()) entry.lost = without_images(*tracked.frame);
+  return entry;
 }
 
 FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSearch& search) {
-  const auto relocalize = [&](TrackedFrame& entry, const auto& find) {
-    if (!entry.is_lost() || !entry.frame) return;
-    std::optional<TrackedFrame> found = find(*entry.frame);
+  const auto relocalize = [&](LoggedFrame& entry, const auto& find) {
+    if (!entry.is_lost() || !entry.lost) return;
+    std::optional<TrackedFrame> found = find(*entry.lost);
     if (!found) return;
-    found->frame = entry.frame;
-    found->evidence.fixed_share = entry.evidence.fixed_share;
-    found->evidence.depth_factor = entry.evidence.depth_factor;
+    found->frame = entry.lost;
+    found->evidence.input = entry.evidence.input;
     // Colour alone supports it, as in the frames around, and no later frame confirms it.
-    if (entry.evidence.depth_factor == 0) found->doubtful = true;
-    entry = log_entry(std::move(*found), image_height_px);
+    if (entry.evidence.input.depth_factor == 0) found->doubtful = true;
+    entry = log_entry(*found, image_height_px);
   };
   const auto search_near = [&](size_t i, size_t neighbor) {
     if (!log[neighbor].is_tracked_by_landmarks()) return;
     relocalize(log[i], [&](const Frame& frame) { return search.nearby(frame, log[neighbor]); });
   };
-  for (TrackedFrame& entry : log) relocalize(entry, search.anywhere);
+  for (LoggedFrame& entry : log) relocalize(entry, search.anywhere);
   for (size_t i = log.size(); i-- > 1;) search_near(i - 1, i);
   for (size_t i = 1; i < log.size(); ++i) search_near(i, i - 1);
   return log;
@@ -82,7 +87,7 @@ FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSe
 namespace {
 
 /// Drops the matches of landmarks that are not in this component.
-void keep_matches_of(uint32_t component, TrackedFrame& frame, const Map& map) {
+void keep_matches_of(uint32_t component, LoggedFrame& frame, const Map& map) {
   std::vector<LandmarkMatch> matches;
   std::vector<MatchMeasurement> measurements;
   for (size_t i = 0; i < frame.matches.size(); ++i) {
@@ -96,11 +101,13 @@ void keep_matches_of(uint32_t component, TrackedFrame& frame, const Map& map) {
   frame.measurements = std::move(measurements);
 }
 
-}  // namespace
-
-FrameLog rebased_after_split(FrameLog log, const Map& map, std::span<const SE3> T_world_keyframe_before) {
+/// Expresses the poses of frames relative to keyframes of their own visit, and calls `use` with each frame
+/// and its component.
+template <class Frame, class Use>
+void rebase(std::vector<Frame>& frames, const Map& map, std::span<const SE3> T_world_keyframe_before,
+            const Use& use) {
   KeyframeId own;
-  for (TrackedFrame& frame : log) {
+  for (Frame& frame : frames) {
     if (frame.is_lost()) continue;
     if (frame.outcome == TrackingOutcome::kRelocalized) own = frame.reference;
     if (frame.keyframe.valid()) own = frame.keyframe;
@@ -112,52 +119,60 @@ FrameLog rebased_after_split(FrameLog log, const Map& map, std::span<const SE3> 
       frame.T_reference_camera = T_own_reference * frame.T_reference_camera;
       frame.reference = own;
     }
-    keep_matches_of(component, frame, map);
+    use(frame, component);
   }
+}
+
+}  // namespace
+
+FrameLog rebased_after_split(FrameLog log, const Map& map, std::span<const SE3> T_world_keyframe_before) {
+  rebase(log, map, T_world_keyframe_before,
+         [&](LoggedFrame& frame, uint32_t component) { keep_matches_of(component, frame, map); });
   return log;
 }
 
-SE3 world_pose(const TrackedFrame& entry, const Map& map) {
-  return map.keyframe(entry.reference).T_world_camera * entry.T_reference_camera;
+std::vector<FrameRecord> rebased_after_split(std::vector<FrameRecord> frames, const Map& map,
+                                             std::span<const SE3> T_world_keyframe_before) {
+  rebase(frames, map, T_world_keyframe_before, [](const FrameRecord&, uint32_t) {});
+  return frames;
 }
 
-uint32_t main_component(std::span<const TrackedFrame> log, const Map& map) {
+uint32_t main_component(std::span<const LoggedFrame> log, const Map& map) {
   std::vector<int> frames(map.component_count() + 1, 0);
-  for (const TrackedFrame& entry : log) {
+  for (const LoggedFrame& entry : log) {
     if (!entry.is_lost()) ++frames[map.keyframe(entry.reference).component];
   }
   return static_cast<uint32_t>(std::max_element(frames.begin(), frames.end()) - frames.begin());
 }
 
-bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map) {
-  return !entry.is_lost() && map.keyframe(entry.reference).component == component;
+bool is_tracked_in(uint32_t component, const FrameRecord& frame, const Map& map) {
+  return !frame.is_lost() && map.keyframe(frame.reference).component == component;
 }
 
-Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful) {
+Trajectory trajectory_of(std::span<const LoggedFrame> log, const Map& map, DoubtfulPoses doubtful) {
   Trajectory trajectory;
-  for_frames_of_trajectory(log, map, doubtful, [&](const TrackedFrame& entry) {
-    trajectory.push_back({entry.stamp_ns, world_pose(entry, map)});
+  for_frames_of_trajectory(log, map, doubtful, [&](const LoggedFrame& entry) {
+    trajectory.push_back({entry.stamp_ns, entry.world(map)});
   });
   return trajectory;
 }
 
-std::vector<std::optional<Matrix6d>> covariances_of(std::span<const TrackedFrame> log, const Map& map,
+std::vector<std::optional<Matrix6d>> covariances_of(std::span<const LoggedFrame> log, const Map& map,
                                                     DoubtfulPoses doubtful) {
   std::vector<std::optional<Matrix6d>> covariances;
   for_frames_of_trajectory(log, map, doubtful,
-                           [&](const TrackedFrame& entry) { covariances.push_back(pose_covariance(entry)); });
+                           [&](const LoggedFrame& entry) { covariances.push_back(pose_covariance(entry)); });
   return covariances;
 }
 
-long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map) {
+long count_doubtful_poses(std::span<const LoggedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
-  return std::count_if(log.begin(), log.end(), [&](const TrackedFrame& entry) {
+  return std::count_if(log.begin(), log.end(), [&](const LoggedFrame& entry) {
     return entry.doubtful && is_tracked_in(component, entry, map);
   });
 }
 
-std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map,
-                                   DoubtfulPoses doubtful) {
+std::string note_on_doubtful_poses(std::span<const LoggedFrame> log, const Map& map, DoubtfulPoses doubtful) {
   const long count = count_doubtful_poses(log, map);
   if (count == 0) return {};
   const char* poses = count == 1 ? "pose" : "poses";

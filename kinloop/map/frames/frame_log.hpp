@@ -14,18 +14,37 @@
 
 namespace kinloop {
 
-/// The frames of a run in order of time, after those of loaded maps.
-using FrameLog = std::vector<TrackedFrame>;
+/// The measurement of a match, kept when the images are dropped.
+struct MatchMeasurement {
+  Eigen::Vector2f pixel;  ///< undistorted, as measured
+  float depth_m = 0;      ///< 0 = unknown
+  float sigma_px = 1;
+  float row = 0;  ///< raw image row relative to the height, -0.5 (first) to 0.5 (last)
+  Eigen::Vector2f inverse_depth_gradient = Eigen::Vector2f::Zero();  ///< 1/m per px
+};
 
-/// Returns the form of a frame in the log: with the measurements of its matches, without images. A lost frame
-/// keeps its features.
-TrackedFrame log_entry(TrackedFrame tracked, int image_height_px);
+/// A frame as the log keeps it: with the measurements of its matches instead of images.
+struct LoggedFrame : EstimatedFrame {
+  std::vector<MatchMeasurement> measurements;  ///< of `matches`
+  bool refined = false;  ///< refined during the run, measurements dropped (see LogLimiter)
+  /// Of a lost frame: its features and surfaces, to relocalize it in the final map; else null.
+  std::shared_ptr<const Frame> lost;
+};
+
+/// The frames of a run in order of time, after those of loaded maps.
+using FrameLog = std::vector<LoggedFrame>;
+
+/// Takes the pose from a frame, with the landmarks that support it.
+void lose(LoggedFrame& frame);
+
+/// Returns the form of a frame in the log.
+LoggedFrame log_entry(const TrackedFrame& tracked, int image_height_px);
 
 /// Two ways to locate a lost frame in the final map.
 struct FrameSearch {
   std::function<std::optional<TrackedFrame>(const Frame&)> anywhere;
   /// Near the pose of the frame before or after it.
-  std::function<std::optional<TrackedFrame>(const Frame&, const TrackedFrame& neighbor)> nearby;
+  std::function<std::optional<TrackedFrame>(const Frame&, const KeyframePose& neighbor)> nearby;
 };
 
 /// Returns the log after another search for lost frames: the final map covers more than the map at their
@@ -38,33 +57,29 @@ FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSe
 /// log, or where it was relocalized) becomes relative to that keyframe. Matches of landmarks of another
 /// component are dropped.
 FrameLog rebased_after_split(FrameLog log, const Map& map, std::span<const SE3> T_world_keyframe_before);
-
-/// Returns T_world_camera of the frame in the current map. The frame must not be lost.
-SE3 world_pose(const TrackedFrame& entry, const Map& map);
+std::vector<FrameRecord> rebased_after_split(std::vector<FrameRecord> frames, const Map& map,
+                                             std::span<const SE3> T_world_keyframe_before);
 
 /// Returns the map component in which most frames were tracked; on a tie the oldest.
-uint32_t main_component(std::span<const TrackedFrame> log, const Map& map);
-
-/// Returns whether the frame was tracked in that component.
-bool is_tracked_in(uint32_t component, const TrackedFrame& entry, const Map& map);
+uint32_t main_component(std::span<const LoggedFrame> log, const Map& map);
 
 /// Whether a trajectory includes the poses of doubtful frames.
 enum class DoubtfulPoses { kLeftOut, kKept };
 
 /// Returns the poses of the frames tracked in the main component, in the current map.
-Trajectory trajectory_of(std::span<const TrackedFrame> log, const Map& map,
+Trajectory trajectory_of(std::span<const LoggedFrame> log, const Map& map,
                          DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
 
-/// Returns the covariance of each of those poses, see TrackedFrame::world_covariance; nullopt if unknown.
-std::vector<std::optional<Matrix6d>> covariances_of(std::span<const TrackedFrame> log, const Map& map,
+/// Returns the covariance of each of those poses, see EstimatedFrame::world_covariance; nullopt if unknown.
+std::vector<std::optional<Matrix6d>> covariances_of(std::span<const LoggedFrame> log, const Map& map,
                                                     DoubtfulPoses doubtful = DoubtfulPoses::kLeftOut);
 
 /// Returns the number of doubtful poses in the main component.
-long count_doubtful_poses(std::span<const TrackedFrame> log, const Map& map);
+long count_doubtful_poses(std::span<const LoggedFrame> log, const Map& map);
 
 /// Returns what that trajectory's file says of doubtful poses: "12 doubtful poses left out" or "with 12
 /// doubtful poses"; empty if there are none.
-std::string note_on_doubtful_poses(std::span<const TrackedFrame> log, const Map& map, DoubtfulPoses doubtful);
+std::string note_on_doubtful_poses(std::span<const LoggedFrame> log, const Map& map, DoubtfulPoses doubtful);
 
 /// Returns the poses of all keyframes of one component.
 Trajectory keyframe_trajectory(const Map& map, uint32_t component);

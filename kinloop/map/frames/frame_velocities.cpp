@@ -30,8 +30,8 @@ Velocity frame_velocity(const FrameLog& log, size_t i, const Map& map) {
   const size_t after = next < log.size() && usable(next) ? next : own;
   const int64_t duration_ns = log[after].stamp_ns - log[before].stamp_ns;
   if (duration_ns < kMinVelocityInterval_ns) return {};
-  const SE3 T_world_before = world_pose(log[before], map), T_world_after = world_pose(log[after], map);
-  const Eigen::Matrix3d R_camera_world = world_pose(log[i], map).R().transpose();
+  const SE3 T_world_before = log[before].world(map), T_world_after = log[after].world(map);
+  const Eigen::Matrix3d R_camera_world = log[i].world(map).R().transpose();
   const double duration_s = to_seconds(duration_ns);
   return {R_camera_world * (T_world_after.translation - T_world_before.translation) / duration_s,
           log_so3(T_world_before.rotation.conjugate() * T_world_after.rotation) / duration_s};

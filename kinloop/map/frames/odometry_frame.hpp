@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "kinloop/map/frames/tracked_frame.hpp"
-#include "kinloop/map/map.hpp"
+#include "kinloop/map/frames/frame_record.hpp"
 
 namespace kinloop {
 
@@ -14,23 +13,17 @@ namespace kinloop {
 class OdometryFrame {
  public:
   /// Call for every frame in order, with the map in which it was tracked.
-  void update(const TrackedFrame& tracked, const Map& map);
+  void update(const FrameRecord& tracked, const Map& map);
 
   /// T_map_odom: T_odom_camera = T_map_odom^-1 * T_world_camera has no such jumps.
   [[nodiscard]] const SE3& T_map_odom() const { return T_map_odom_; }
 
  private:
-  /// The last frame with a pose.
-  struct Anchor {
-    KeyframeId reference;
-    SE3 T_reference_camera;
-    SE3 T_world_camera;  // in the map as `update` saw it last
-  };
-
   void take_up_jump(const SE3& T_world_camera);
 
   SE3 T_map_odom_;
-  std::optional<Anchor> latest_;
+  std::optional<KeyframePose> latest_;  // the last pose
+  SE3 T_world_latest_;                  // the same in the map as `update` saw it last
 };
 
 }  // namespace kinloop

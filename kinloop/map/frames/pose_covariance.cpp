@@ -2,7 +2,7 @@
 
 namespace kinloop {
 
-std::optional<Matrix6d> pose_covariance(const TrackedFrame& tracked) {
+std::optional<Matrix6d> pose_covariance(const EstimatedFrame& tracked) {
   if (tracked.is_lost() || tracked.world_covariance.isZero(0)) return std::nullopt;
   return tracked.world_covariance;
 }

@@ -11,7 +11,7 @@
 namespace kinloop {
 
 /// Returns the covariance of the frame's pose; nullopt if there is no pose or it is unknown.
-std::optional<Matrix6d> pose_covariance(const TrackedFrame& tracked);
+std::optional<Matrix6d> pose_covariance(const EstimatedFrame& tracked);
 
 /// Returns the upper triangle, row by row.
 std::array<double, 21> upper_triangle(const Matrix6d& symmetric);

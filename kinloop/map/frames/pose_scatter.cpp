@@ -13,18 +13,18 @@ constexpr size_t kFrames = 15, kKeyframes = 4;
 
 /// Whether a pose scatters: one of dense alignment is chained to the previous one, and a repeated one is
 /// none.
-bool has_own_pose(const TrackedFrame& entry) {
+bool has_own_pose(const LoggedFrame& entry) {
   return entry.is_tracked_by_landmarks() && !entry.is_repeat();
 }
 
-std::optional<Vector6d> off_neighbours(std::span<const TrackedFrame> log, size_t i, const Map& map) {
+std::optional<Vector6d> off_neighbours(std::span<const LoggedFrame> log, size_t i, const Map& map) {
   if (i == 0 || i + 1 == log.size() || !has_own_pose(log[i])) return std::nullopt;
   const uint32_t component = map.keyframe(log[i].reference).component;
-  const auto usable = [&](const TrackedFrame& entry) {
+  const auto usable = [&](const LoggedFrame& entry) {
     return has_own_pose(entry) && is_tracked_in(component, entry, map);
   };
   if (!usable(log[i - 1]) || !usable(log[i + 1])) return std::nullopt;
-  const auto pose = [&](size_t k) { return StampedPose{log[k].stamp_ns, world_pose(log[k], map)}; };
+  const auto pose = [&](size_t k) { return StampedPose{log[k].stamp_ns, log[k].world(map)}; };
   return off_constant_motion(pose(i - 1), pose(i), pose(i + 1));
 }
 
@@ -59,7 +59,7 @@ std::optional<Vector6d> off_constant_motion(const StampedPose& before, const Sta
   return ((1 - share) * x_before + share * x_after) / std::sqrt(variances);
 }
 
-std::vector<Matrix6d> pose_scatter(std::span<const TrackedFrame> log, const Map& map) {
+std::vector<Matrix6d> pose_scatter(std::span<const LoggedFrame> log, const Map& map) {
   std::vector<std::optional<Vector6d>> off(log.size());
   std::vector<size_t> all(log.size()), keyframes;
   for (size_t i = 0; i < log.size(); ++i) {

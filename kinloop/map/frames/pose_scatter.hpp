@@ -23,6 +23,6 @@ std::optional<Vector6d> off_constant_motion(const StampedPose& before, const Sta
 /// current map: of a keyframe over the nearest keyframes, whose poses bundle adjustment estimates in another
 /// way, of other frames over the second around it. Accelerations count as errors, so it is an upper bound.
 /// Zero where unknown.
-std::vector<Matrix6d> pose_scatter(std::span<const TrackedFrame> log, const Map& map);
+std::vector<Matrix6d> pose_scatter(std::span<const LoggedFrame> log, const Map& map);
 
 }  // namespace kinloop

@@ -15,6 +15,21 @@ TrackedFrame unlocated(const Frame& frame) {
   return tracked;
 }
 
+void lose(EstimatedFrame& frame) {
+  frame.outcome = TrackingOutcome::kLost;
+  frame.matches.clear();
+}
+
+TrackedFrame without_pose(TrackedFrame tracked) {
+  tracked.outcome = TrackingOutcome::kLost;
+  tracked.method = TrackingMethod::kKeypoints;
+  tracked.covariance.setZero();
+  tracked.matches.clear();
+  TrackingEvidence& evidence = tracked.evidence;
+  evidence.visible_landmarks = evidence.inliers = evidence.with_depth = evidence.attempts = 0;
+  return tracked;
+}
+
 std::vector<LandmarkId> landmark_of_keypoint(const TrackedFrame& tracked) {
   std::vector<LandmarkId> landmark_of(tracked.features().size());
   for (const auto& [landmark, feature] : tracked.matches) landmark_of[feature] = landmark;

@@ -163,7 +163,6 @@ std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_refe
   if (tracked->evidence.inliers < c.options.min_inlier_ratio * static_cast<double>(expected.size()))
     return std::nullopt;
   tracked->evidence.visible_landmarks = static_cast<int>(expected.size());
-  tracked->evidence.previous_frame_inliers = static_cast<int>(found.size());
   tracked->evidence.attempts = 1;
   tracked->frame = std::make_shared<const Frame>(std::move(with_landmarks));
   return tracked;

@@ -19,11 +19,11 @@ double distance_from_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& be
 
 }  // namespace
 
-bool can_reach(const TrustedPose& from, const Map& map, const Eigen::Vector3d& p_world, int64_t stamp_ns,
+bool can_reach(const CameraMotion& from, const Map& map, const Eigen::Vector3d& p_world, int64_t stamp_ns,
                double drift_m) {
   constexpr double kMaxSpeed_m_s = 3, kMaxAcceleration_m_s2 = 1, kMaxDrift_m = 0.5;
   const double since_s = to_seconds(stamp_ns - from.stamp_ns);
-  const SE3 T_world_camera = map.keyframe(from.reference).T_world_camera * from.T_reference_camera;
+  const SE3 T_world_camera = from.pose.world(map);
   const Eigen::Vector3d p_ahead = T_world_camera * (since_s * from.velocity.linear_m_s);
   const double map_off_m = kMaxDrift_m + drift_m;
   const double turned_m = std::min(kMaxSpeed_m_s * since_s, kMaxAcceleration_m_s2 / 2 * since_s * since_s);
