@@ -295,7 +295,7 @@ Trajectory Slam::finish(const Progress& progress) {
       found->doubtful = true;
     return found;
   };
-  const FrameSearch search{anywhere, [this](const Frame& frame, const KeyframePose& neighbor) {
+  const FrameSearch search{anywhere, [this](const Frame& frame, const FrameRecord& neighbor) {
                              return places_.locate_near(frame, map_, neighbor.reference,
                                                         neighbor.T_reference_camera);
                            }};

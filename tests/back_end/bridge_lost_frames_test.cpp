@@ -22,7 +22,7 @@ class LostFrames : public test::SteadyLog {
 
   [[nodiscard]] size_t count_lost() const {
     return static_cast<size_t>(
-        std::count_if(log_.begin(), log_.end(), [](const TrackedFrame& entry) { return entry.is_lost(); }));
+        std::count_if(log_.begin(), log_.end(), [](const LoggedFrame& entry) { return entry.is_lost(); }));
   }
 };
 

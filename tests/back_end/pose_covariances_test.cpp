@@ -32,7 +32,7 @@ struct Chain {
       Vector6d off;
       for (int k = 0; k < 6; ++k) off(k) = (k < 3 ? kShared_m : kShared_rad) * random.gaussian();
       const SE3 estimated = true_pose(i) * SE3::exp(off);
-      TrackedFrame entry;
+      LoggedFrame entry;
       entry.stamp_ns = to_ns(i / 30.0);
       entry.outcome = TrackingOutcome::kTracked;
       entry.covariance = 1e-8 * Matrix6d::Identity();

@@ -32,7 +32,7 @@ const Run& run() {
 FrameLog limited_log(const LogLimits& limits) {
   LogLimiter limiter(limits);
   FrameLog log;
-  for (const TrackedFrame& entry : run().slam.log()) {
+  for (const LoggedFrame& entry : run().slam.log()) {
     log.push_back(entry);
     limiter.apply(log, 0, run().refinement());
   }
@@ -77,14 +77,14 @@ TEST(LogLimiter, KeepsTheFeaturesOfTheLatestLostFrames) {
   LogLimiter limiter({100, 3});
   FrameLog log;
   for (uint32_t i = 0; i < 10; ++i) {
-    TrackedFrame& entry = log.emplace_back();
+    LoggedFrame& entry = log.emplace_back();
     entry.id = FrameId{i};
-    if (i % 2 == 0) entry.frame = std::make_shared<const Frame>();
+    if (i % 2 == 0) entry.lost = std::make_shared<const Frame>();
     limiter.apply(log, 0, run().refinement());
   }
   std::vector<uint32_t> kept;
-  for (const TrackedFrame& entry : log) {
-    if (entry.frame) kept.push_back(entry.id.value);
+  for (const LoggedFrame& entry : log) {
+    if (entry.lost) kept.push_back(entry.id.value);
   }
   EXPECT_EQ(kept, (std::vector<uint32_t>{4, 6, 8}));
 }

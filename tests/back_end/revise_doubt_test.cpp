@@ -12,7 +12,7 @@ namespace {
 class Doubt : public test::SteadyLog {
  protected:
   Doubt() : SteadyLog(180) {
-    for (TrackedFrame& entry : log_) entry.evidence.surfaces = {2000, 20, 0};
+    for (LoggedFrame& entry : log_) entry.evidence.surfaces = {2000, 20, 0};
   }
 
   void contradict(size_t begin, size_t end) {

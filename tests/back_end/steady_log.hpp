@@ -19,7 +19,7 @@ class SteadyLog : public testing::Test {
     map_.add_keyframe(FrameId{0}, 0, SE3(), features, 0);
     map_.add_keyframe(FrameId{1}, 1, SE3(), features, 1);
     for (uint32_t i = 0; i < frames; ++i) {
-      TrackedFrame& entry = log_.emplace_back();
+      LoggedFrame& entry = log_.emplace_back();
       entry.id = FrameId{i};
       entry.stamp_ns = int64_t{i} * kNsPerSecond / 30;
       entry.outcome = TrackingOutcome::kTracked;

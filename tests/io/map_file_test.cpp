@@ -110,7 +110,7 @@ TEST(MapFile, FilesOfVersion1AreReadWithoutStampsOfDepth) {
   EXPECT_EQ(old.frames[5].stamp_ns, saved.frames[5].stamp_ns);
   for (const Keyframe& keyframe : old.map.keyframes)
     EXPECT_EQ(keyframe.features->depth_stamp_difference_s, 0);
-  for (const TrackedFrame& frame : old.frames) EXPECT_EQ(frame.depth_stamp_difference_s, 0);
+  for (const FrameRecord& frame : old.frames) EXPECT_EQ(frame.depth_stamp_difference_s, 0);
 }
 
 TEST(MapFile, FilesOfVersion2AreReadWithoutMarksOfDoubt) {
@@ -122,7 +122,7 @@ TEST(MapFile, FilesOfVersion2AreReadWithoutMarksOfDoubt) {
   const SavedMap saved = some_saved_map();
   ASSERT_EQ(old.frames.size(), saved.frames.size());
   EXPECT_EQ(old.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
-  for (const TrackedFrame& frame : old.frames) EXPECT_FALSE(frame.doubtful);
+  for (const FrameRecord& frame : old.frames) EXPECT_FALSE(frame.doubtful);
 }
 
 TEST(MapFile, FilesOfVersion3AreReadWithComponentsAsVisits) {

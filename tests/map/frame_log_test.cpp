@@ -7,15 +7,15 @@ namespace {
 
 constexpr int kHeight_px = 480;
 
-TrackedFrame logged(uint32_t id, TrackingOutcome outcome) {
-  TrackedFrame entry;
+LoggedFrame logged(uint32_t id, TrackingOutcome outcome) {
+  LoggedFrame entry;
   entry.id = FrameId{id};
   entry.outcome = outcome;
   entry.reference = KeyframeId{7};
   Frame frame;
   frame.id = entry.id;
   frame.features = std::make_shared<const Features>();
-  if (entry.is_lost()) entry.frame = std::make_shared<const Frame>(frame);
+  if (entry.is_lost()) entry.lost = std::make_shared<const Frame>(frame);
   return entry;
 }
 
@@ -32,7 +32,7 @@ std::optional<TrackedFrame> nowhere(const Frame&) {
 
 TEST(RelocalizeLostFrames, SearchesAnywhereFirst) {
   const FrameSearch search{[](const Frame&) { return located_at(3); },
-                           [](const Frame&, const TrackedFrame&) { return located_at(4); }};
+                           [](const Frame&, const FrameRecord&) { return located_at(4); }};
   const FrameLog log = relocalize_lost_frames(
       {logged(0, TrackingOutcome::kTracked), logged(1, TrackingOutcome::kLost)}, kHeight_px, search);
   EXPECT_EQ(log[0].reference, KeyframeId{7});
@@ -43,7 +43,7 @@ TEST(RelocalizeLostFrames, SearchesAnywhereFirst) {
 TEST(RelocalizeLostFrames, ContinuesFromNeighborsInBothDirections) {
   // Frames 1 and 2 are found from 3 backwards, 4 and 5 from 3 forwards.
   std::vector<std::pair<uint32_t, uint32_t>> found;
-  const FrameSearch search{nowhere, [&](const Frame& frame, const TrackedFrame& neighbor) {
+  const FrameSearch search{nowhere, [&](const Frame& frame, const FrameRecord& neighbor) {
                              found.emplace_back(frame.id.value, neighbor.id.value);
                              TrackedFrame tracked = located_at(7);
                              tracked.id = frame.id;
@@ -52,7 +52,7 @@ TEST(RelocalizeLostFrames, ContinuesFromNeighborsInBothDirections) {
   FrameLog log;
   for (uint32_t i = 0; i < 6; ++i)
     log.push_back(logged(i, i == 3 ? TrackingOutcome::kTracked : TrackingOutcome::kLost));
-  log[0].frame = nullptr;  // nothing to search with
+  log[0].lost = nullptr;  // nothing to search with
   log = relocalize_lost_frames(std::move(log), kHeight_px, search);
   EXPECT_EQ(found, (std::vector<std::pair<uint32_t, uint32_t>>{{2, 3}, {1, 2}, {4, 3}, {5, 4}}));
   for (size_t i = 1; i < log.size(); ++i) EXPECT_FALSE(log[i].is_lost()) << i;
@@ -65,7 +65,7 @@ TEST(RelocalizeLostFrames, KeepsTheDoubtOfWhatWasFound) {
                              tracked.doubtful = frame.id == FrameId{1};
                              return tracked;
                            },
-                           [](const Frame&, const TrackedFrame&) { return located_at(4); }};
+                           [](const Frame&, const FrameRecord&) { return located_at(4); }};
   const FrameLog log = relocalize_lost_frames(
       {logged(1, TrackingOutcome::kLost), logged(2, TrackingOutcome::kLost)}, kHeight_px, search);
   EXPECT_TRUE(log[0].doubtful);
@@ -73,8 +73,8 @@ TEST(RelocalizeLostFrames, KeepsTheDoubtOfWhatWasFound) {
 }
 
 TEST(RelocalizeLostFrames, WhatIsFoundWithoutDepthIsInDoubt) {
-  const FrameSearch search{nowhere, [](const Frame&, const TrackedFrame&) { return located_at(4); }};
-  TrackedFrame without_depth = logged(1, TrackingOutcome::kLost);
+  const FrameSearch search{nowhere, [](const Frame&, const FrameRecord&) { return located_at(4); }};
+  LoggedFrame without_depth = logged(1, TrackingOutcome::kLost);
   without_depth.evidence.input.depth_factor = 0;
   const FrameLog log = relocalize_lost_frames(
       {logged(0, TrackingOutcome::kTracked), without_depth, logged(2, TrackingOutcome::kLost)}, kHeight_px,
@@ -90,7 +90,7 @@ class DoubtfulFrames : public testing::Test {
   DoubtfulFrames() {
     map_.add_keyframe(FrameId{0}, 0, SE3(), std::make_shared<const Features>(), 0);
     for (uint32_t i = 0; i < 5; ++i) {
-      TrackedFrame entry;
+      LoggedFrame entry;
       entry.id = FrameId{i};
       entry.stamp_ns = i;
       entry.outcome = i == 4 ? TrackingOutcome::kLost : TrackingOutcome::kTracked;
@@ -130,17 +130,21 @@ TEST(LogEntry, KeepsTheDoubt) {
 
 TEST(RelocalizeLostFrames, KeepsFramesLostThatAreNotFound) {
   const FrameSearch search{
-      nowhere, [](const Frame&, const TrackedFrame&) -> std::optional<TrackedFrame> { return {}; }};
+      nowhere, [](const Frame&, const FrameRecord&) -> std::optional<TrackedFrame> { return {}; }};
   const FrameLog log = relocalize_lost_frames(
       {logged(0, TrackingOutcome::kTracked), logged(1, TrackingOutcome::kLost)}, kHeight_px, search);
   EXPECT_TRUE(log[1].is_lost());
-  EXPECT_TRUE(log[1].frame) << "may be searched again";
+  EXPECT_TRUE(log[1].lost) << "may be searched again";
 }
 
 TEST(Covariances, AreThoseOfThePosesOfTheTrajectory) {
   Map map;
   map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>());
-  FrameLog log(5, located_at(0));
+  FrameLog log(5);
+  for (LoggedFrame& entry : log) {
+    entry.outcome = TrackingOutcome::kTracked;
+    entry.reference = KeyframeId{0};
+  }
   for (size_t i = 0; i < log.size(); ++i) {
     log[i].stamp_ns = static_cast<int64_t>(i);
     log[i].world_covariance = static_cast<double>(i) * Matrix6d::Identity();

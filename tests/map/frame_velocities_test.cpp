@@ -27,7 +27,7 @@ Recorded recorded_swing(double frames_per_s, int count = 60) {
   Recorded recorded;
   recorded.map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>(), 0);
   for (int i = 0; i < count; ++i) {
-    TrackedFrame entry;
+    LoggedFrame entry;
     entry.id = FrameId{static_cast<uint32_t>(i)};
     entry.stamp_ns = to_ns(i / frames_per_s);
     entry.outcome = TrackingOutcome::kTracked;

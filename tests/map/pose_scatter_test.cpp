@@ -30,7 +30,7 @@ FrameLog noisy_log(Map& map) {
   const KeyframeId origin = map.add_keyframe(FrameId{0}, 0, {}, std::make_shared<const Features>(), 0);
   FrameLog log(kFrames);
   for (int i = 0; i < kFrames; ++i) {
-    TrackedFrame& entry = log[static_cast<size_t>(i)];
+    LoggedFrame& entry = log[static_cast<size_t>(i)];
     entry.stamp_ns = to_ns(i / 30.0);
     entry.outcome = TrackingOutcome::kTracked;
     entry.reference = origin;

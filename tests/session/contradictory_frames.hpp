@@ -12,26 +12,26 @@
 
 namespace kinloop::test {
 
-struct Recording {
+struct CapturedFrames {
   RgbdCamera camera;
   std::vector<Frame> frames;
 };
 
 /// Every `step`-th of the first frames of a room at 320 x 240 and 30 Hz.
-inline Recording simulated(SimulatedSensor sensor, uint64_t seed, int count, int step) {
+inline CapturedFrames simulated(SimulatedSensor sensor, uint64_t seed, int count, int step) {
   SimulationOptions options;
   options.sensor = sensor;
   options.width = 320;
   options.height = 240;
   const SimulatedSource source("sim:room", seed, options, 2);
-  Recording recording{source.camera(), {}};
+  CapturedFrames recording{source.camera(), {}};
   for (int i = 0; i < count; ++i) recording.frames.push_back(source.frame(static_cast<size_t>(i * step)));
   return recording;
 }
 
 using DepthChange = std::function<cv::Mat(const cv::Mat&)>;
 
-inline Recording with_depth(Recording recording, const DepthChange& change) {
+inline CapturedFrames with_depth(CapturedFrames recording, const DepthChange& change) {
   for (Frame& frame : recording.frames) frame.depth_m = change(frame.depth_m);
   return recording;
 }
@@ -57,7 +57,7 @@ inline DepthChange resized(double scale_x, double scale_y, double shift_x = 0) {
 }
 
 /// All that is said about a recording.
-inline std::vector<InputWarning> warnings(const Recording& recording,
+inline std::vector<InputWarning> warnings(const CapturedFrames& recording,
                                           FrameOrder order = FrameOrder::kSpread) {
   InputChecker checker(recording.camera, order);
   std::vector<InputWarning> all;
@@ -70,7 +70,7 @@ inline std::vector<InputWarning> warnings(const Recording& recording,
 }
 
 /// The same as text, a line each.
-inline std::string warning_text(const Recording& recording, FrameOrder order = FrameOrder::kSpread) {
+inline std::string warning_text(const CapturedFrames& recording, FrameOrder order = FrameOrder::kSpread) {
   std::string text;
   for (const InputWarning& warning : warnings(recording, order)) text += text_of(warning) + "\n";
   return text;

@@ -15,7 +15,7 @@
 namespace kinloop {
 namespace {
 
-using test::Recording;
+using test::CapturedFrames;
 using test::with_depth;
 using testing::AllOf;
 using testing::HasSubstr;
@@ -23,8 +23,8 @@ using testing::Not;
 
 constexpr uint64_t kValuesSeed = 42;  // not one of docs/lab/recordings.md
 
-const Recording& kinect_room() {
-  static const Recording recording = test::simulated(SimulatedSensor::kKinect1, kValuesSeed, 12, 25);
+const CapturedFrames& kinect_room() {
+  static const CapturedFrames recording = test::simulated(SimulatedSensor::kKinect1, kValuesSeed, 12, 25);
   return recording;
 }
 
@@ -38,25 +38,25 @@ test::DepthChange each(const Change& change) {
   };
 }
 
-DepthValuesCheck checked(const Recording& recording) {
+DepthValuesCheck checked(const CapturedFrames& recording) {
   DepthValuesCheck check(recording.camera);
   for (const Frame& frame : recording.frames) check.observe(frame);
   return check;
 }
 
-std::string values_text(const Recording& recording) {
+std::string values_text(const CapturedFrames& recording) {
   const auto warning = checked(recording).values();
   return warning ? text_of(*warning) : "";
 }
 
-std::string unit_text(const Recording& recording) {
+std::string unit_text(const CapturedFrames& recording) {
   const auto warning = checked(recording).unit();
   return warning ? text_of(*warning) : "";
 }
 
 /// The same files, read with a depth_scale that is wrong by the factor.
-Recording with_wrong_scale(float factor) {
-  Recording recording = with_depth(kinect_room(), each([=](float z_m) { return z_m / factor; }));
+CapturedFrames with_wrong_scale(float factor) {
+  CapturedFrames recording = with_depth(kinect_room(), each([=](float z_m) { return z_m / factor; }));
   recording.camera.depth_scale *= static_cast<double>(factor);
   return recording;
 }
@@ -64,7 +64,7 @@ Recording with_wrong_scale(float factor) {
 TEST(DepthValuesCheck, SaysNothingOfSensors) {
   EXPECT_EQ(values_text(kinect_room()), "");
   EXPECT_EQ(unit_text(kinect_room()), "");
-  const Recording time_of_flight = test::simulated(SimulatedSensor::kKinect2, kValuesSeed, 6, 50);
+  const CapturedFrames time_of_flight = test::simulated(SimulatedSensor::kKinect2, kValuesSeed, 6, 50);
   EXPECT_EQ(values_text(time_of_flight), "");
   EXPECT_EQ(unit_text(time_of_flight), "");
 }
@@ -89,8 +89,8 @@ float raw_kinect1(float z_m) {
 
 TEST(DepthValuesCheck, TheFirstFramesMayHaveNoDepth) {
   constexpr int kCovered = 10, kClipped = 30;  // times the recording
-  const Recording clipped = with_depth(kinect_room(), each([](float z_m) { return std::min(z_m, 2.0F); }));
-  const Recording covered = with_depth(clipped, each([](float) { return 0.0F; }));
+  const CapturedFrames clipped = with_depth(kinect_room(), each([](float z_m) { return std::min(z_m, 2.0F); }));
+  const CapturedFrames covered = with_depth(clipped, each([](float) { return 0.0F; }));
   DepthValuesCheck check(clipped.camera);
   for (int i = 0; i < kCovered + kClipped; ++i) {
     for (const Frame& frame : (i < kCovered ? covered : clipped).frames) check.observe(frame);
@@ -101,7 +101,7 @@ TEST(DepthValuesCheck, TheFirstFramesMayHaveNoDepth) {
 }
 
 TEST(DepthValuesCheck, NamesRawDisparityOfAKinect1) {
-  Recording raw = with_depth(kinect_room(), [](const cv::Mat& depth_m) {
+  CapturedFrames raw = with_depth(kinect_room(), [](const cv::Mat& depth_m) {
     cv::Mat changed = depth_m.clone();
     changed.forEach<float>([](float& z_m, const int*) { z_m = z_m > 0 ? raw_kinect1(z_m) : 2.047F; });
     return changed;
@@ -130,7 +130,7 @@ TEST(DepthValuesCheck, NamesTheUnitByTheStepsOfAKinect) {
 }
 
 TEST(DepthValuesCheck, NamesNoDepthScaleOfDepthInMetres) {
-  Recording recording = with_wrong_scale(5);
+  CapturedFrames recording = with_wrong_scale(5);
   recording.camera.has_metric_depth = true;
   EXPECT_THAT(unit_text(recording), AllOf(HasSubstr("multiply it by"), Not(HasSubstr("depth_scale"))));
 }
@@ -179,14 +179,14 @@ TEST(DepthValuesCheck, NamesTheUnitOfARealKinectThatAnotherProgramRegistered) {
 
 TEST(DepthValuesCheck, SaysNothingOfTheUnitOfSensorsThatAreTakenForAKinect) {
   for (const SimulatedSensor sensor : {SimulatedSensor::kKinect2, SimulatedSensor::kRealsense}) {
-    Recording recording = test::simulated(sensor, kValuesSeed, 6, 50);
+    CapturedFrames recording = test::simulated(sensor, kValuesSeed, 6, 50);
     recording.camera.sensor = {};
     EXPECT_EQ(unit_text(recording), "");
   }
 }
 
 TEST(DepthValuesCheck, SaysNothingOfTheUnitOfDepthThatRegistrationEnlarges) {
-  Recording recording = with_wrong_scale(0.5);
+  CapturedFrames recording = with_wrong_scale(0.5);
   recording.camera.depth = resized(recording.camera.color, recording.camera.color.width / 2);
   EXPECT_EQ(unit_text(recording), "");
 }

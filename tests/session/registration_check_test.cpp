@@ -13,7 +13,7 @@ namespace kinloop {
 namespace {
 
 using test::flipped;
-using test::Recording;
+using test::CapturedFrames;
 using test::resized;
 using test::warning_text;
 using test::with_depth;
@@ -23,20 +23,20 @@ using testing::HasSubstr;
 /// The seeds are not those of docs/lab/recordings.md, on which the thresholds were chosen.
 constexpr uint64_t kSeed = 41;
 
-const Recording& room() {
-  static const Recording recording = test::simulated(SimulatedSensor::kKinect1, kSeed, 14, 25);
+const CapturedFrames& room() {
+  static const CapturedFrames recording = test::simulated(SimulatedSensor::kKinect1, kSeed, 14, 25);
   return recording;
 }
 
 /// The colour and depth images of a folder, in order of their names.
-Recording folder(const std::filesystem::path& path, double depth_scale) {
+CapturedFrames folder(const std::filesystem::path& path, double depth_scale) {
   const auto files = [&](const char* name) {
     std::vector<std::filesystem::path> all;
     for (const auto& entry : std::filesystem::directory_iterator(path / name)) all.push_back(entry.path());
     std::sort(all.begin(), all.end());
     return all;
   };
-  Recording recording;
+  CapturedFrames recording;
   recording.camera.color = {640, 480, 522.07, 522.07, 319.07, 237.69, {}};
   const auto colors = files("rgb"), depths = files("depth");
   for (size_t i = 0; i < colors.size(); ++i) {

@@ -85,7 +85,7 @@ TEST(RunQuality, JudgesTheFramesOfALog) {
   const auto features = std::make_shared<const Features>();
   map.add_keyframe(FrameId{0}, 0, SE3(), features, 0);
   map.add_keyframe(FrameId{4}, 4, SE3(), features, 1);
-  std::vector<TrackedFrame> log(5);
+  FrameLog log(5);
   for (uint32_t i = 0; i < 5; ++i) {
     log[i].stamp_ns = i;
     log[i].outcome = TrackingOutcome::kTracked;

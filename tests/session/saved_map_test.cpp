@@ -85,7 +85,7 @@ TEST(SavedMap, LocalizationFindsPosesAndKeepsTheMapUnchanged) {
 
   // Poses in the frame of the map, which the first half aligns with the ground-truth world.
   Trajectory both;
-  for (const TrackedFrame& frame : first_half().frames) {
+  for (const FrameRecord& frame : first_half().frames) {
     const SE3& T_world_keyframe = first_half().map.keyframes[frame.reference.value].T_world_camera;
     both.push_back({frame.stamp_ns, T_world_keyframe * frame.T_reference_camera});
   }

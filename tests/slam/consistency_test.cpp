@@ -35,7 +35,7 @@ void add_room(RunConsistency& sum, const std::string& scene, double share) {
     online.push_back({tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance});
   }
   slam.finish();
-  for (const TrackedFrame& frame : slam.session_log()) {
+  for (const LoggedFrame& frame : slam.session_log()) {
     frames.push_back({frame.stamp_ns, frame.world(slam.map()), frame.world_covariance});
     if (frame.keyframe.valid()) keyframes.push_back(frames.back());
   }

@@ -32,7 +32,7 @@ std::vector<Frame> in_sequence(std::vector<Frame> frames) {
 int count_joined(const Slam& slam, size_t first) {
   int count = 0;
   for (size_t i = first; i < slam.log().size(); ++i) {
-    const TrackedFrame& entry = slam.log()[i];
+    const LoggedFrame& entry = slam.log()[i];
     count += !entry.is_lost() && slam.map().keyframe(entry.reference).component == 0 ? 1 : 0;
   }
   return count;

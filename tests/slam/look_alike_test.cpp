@@ -69,7 +69,7 @@ struct Found {
 Found found_in_first(const Slam& slam, const Visits& visits) {
   Found found;
   for (size_t i = kFirst; i < slam.log().size(); ++i) {
-    const TrackedFrame& entry = slam.log()[i];
+    const LoggedFrame& entry = slam.log()[i];
     if (entry.is_lost() || entry.doubtful || slam.map().keyframe(entry.reference).component != 0) continue;
     const SE3 T_world_truth = visits.truth.front().T_world_camera.inverse() * visits.truth[i].T_world_camera;
     ++found.trusted;
@@ -139,7 +139,7 @@ TEST(LookAlike, WhereTheSameDoorsRepeatTheCameraIsNotFoundAtTheWrongOne) {
   const Trajectory& truth = source.info().ground_truth;
   slam.finish();
   int trusted = 0;
-  for (const TrackedFrame& entry : slam.log()) {
+  for (const LoggedFrame& entry : slam.log()) {
     if (entry.is_lost() || entry.doubtful || slam.map().keyframe(entry.reference).component != 0) continue;
     const auto true_pose = pose_at(truth, entry.stamp_ns, kNsPerSecond);
     ASSERT_TRUE(true_pose);

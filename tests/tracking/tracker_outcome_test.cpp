@@ -105,7 +105,8 @@ class TrackerOutcome : public testing::Test {
   PlaceRecognition places_{sensor_, {}, world_vocabulary(world_)};
   Relocalizer relocalize_ = [this](const Frame& frame) { return places_.relocalize(frame, built_.map); };
   Timings timings_;
-  Tracker tracker_{sensor_, impatient(), timings_};
+  FrontEnd front_end_{sensor_, impatient().features};
+  Tracker tracker_{front_end_, impatient(), timings_};
   uint32_t id_ = 0;
 };
 

@@ -44,7 +44,7 @@ LoggedFrame log_entry(const TrackedFrame& tracked, int image_height_px);
 struct FrameSearch {
   std::function<std::optional<TrackedFrame>(const Frame&)> anywhere;
   /// Near the pose of the frame before or after it.
-  std::function<std::optional<TrackedFrame>(const Frame&, const KeyframePose& neighbor)> nearby;
+  std::function<std::optional<TrackedFrame>(const Frame&, const FrameRecord& neighbor)> nearby;
 };
 
 /// Returns the log after another search for lost frames: the final map covers more than the map at their
