@@ -111,7 +111,7 @@ struct LoopHypotheses::Group {
 };
 
 /// What becomes of a loop, or of its group if that is accepted or rejected.
-struct LoopHypotheses::Verdict {
+struct LoopHypotheses::Decision {
   LoopStage stage;
   LoopReason reason;
 };
@@ -208,18 +208,12 @@ bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) co
   });
 }
 
-bool LoopHypotheses::is_aliased(const Map& map, KeyframeId keyframe) {
-  const auto [found, added] = aliased_.try_emplace(keyframe, false);
-  if (added) found->second = is_aliased_(map, keyframe);
-  return found->second;
-}
-
-/// Whether too few keyframes of a group show places without doubles.
-bool LoopHypotheses::joins_aliased_places(const Group& group, const Map& map) {
+/// Whether too few keyframes of a group show places that are not aliased.
+bool LoopHypotheses::joins_aliased_places(const Group& group, const Map& map) const {
   std::set<KeyframeId> distinct;
   for (const size_t member : group.waiting) {
     const LoopClosure& loop = waiting_[member].verified.loop;
-    if (!is_aliased(map, loop.a) && !is_aliased(map, loop.b)) distinct.insert(loop.b);
+    if (!is_aliased_(map, loop.a) && !is_aliased_(map, loop.b)) distinct.insert(loop.b);
     if (static_cast<int>(distinct.size()) >= required_.keyframes) return false;
   }
   return true;
@@ -239,34 +233,36 @@ bool LoopHypotheses::needs_more_views(const LoopClosure& loop, const Map& map) c
 }
 
 /// Judges a loop; nullopt if views must be compared first.
-std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge(const LoopClosure& loop, const Group& group,
-                                                             const Map& map) {
+std::optional<LoopHypotheses::Decision> LoopHypotheses::judge(const LoopClosure& loop, const Group& group,
+                                                              const Map& map) {
   const bool alone = fits_map(map, loop);
-  if (group.is_ambiguous()) return Verdict{LoopStage::kProvisional, LoopReason::kAmbiguous};
+  if (group.is_ambiguous()) return Decision{LoopStage::kProvisional, LoopReason::kAmbiguous};
   if (!alone && loop.support < required_.keyframes)
-    return Verdict{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
+    return Decision{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
   if (joins_components(map, loop)) return judge_join(loop, group, map);
-  if (contradicts_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
-  return Verdict{LoopStage::kVerified, alone ? LoopReason::kFitsMap : LoopReason::kKeyframesAgree};
+  if (contradicts_same_place(combine(group.scales)))
+    return Decision{LoopStage::kRejected, LoopReason::kScale};
+  return Decision{LoopStage::kVerified, alone ? LoopReason::kFitsMap : LoopReason::kKeyframesAgree};
 }
 
 /// Judges a loop that joins components and that enough keyframes support.
-std::optional<LoopHypotheses::Verdict> LoopHypotheses::judge_join(const LoopClosure& loop, const Group& group,
-                                                                  const Map& map) {
+std::optional<LoopHypotheses::Decision> LoopHypotheses::judge_join(const LoopClosure& loop,
+                                                                   const Group& group, const Map& map) {
   const RoomComparison* rooms = rooms_of(group);
   if (needs_more_views(loop, map)) {
     if (rooms == nullptr) return std::nullopt;
     if (rooms->appearance.views < required_.views_if_doubted)
-      return Verdict{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
+      return Decision{LoopStage::kProvisional, LoopReason::kTooFewKeyframes};
   }
-  if (joins_aliased_places(group, map)) return Verdict{LoopStage::kProvisional, LoopReason::kAmbiguous};
-  if (contradicts_same_place(combine(group.scales))) return Verdict{LoopStage::kRejected, LoopReason::kScale};
-  if (is_out_of_reach(loop, map)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
+  if (joins_aliased_places(group, map)) return Decision{LoopStage::kProvisional, LoopReason::kAmbiguous};
+  if (contradicts_same_place(combine(group.scales)))
+    return Decision{LoopStage::kRejected, LoopReason::kScale};
+  if (is_out_of_reach(loop, map)) return Decision{LoopStage::kRejected, LoopReason::kDoesNotFit};
   if (rooms == nullptr) return std::nullopt;
   if (rooms->appearance.contradicts_same_place())
-    return Verdict{LoopStage::kRejected, LoopReason::kAppearance};
-  if (contradicts_same_room(*rooms)) return Verdict{LoopStage::kRejected, LoopReason::kDoesNotFit};
-  return Verdict{LoopStage::kVerified, LoopReason::kKeyframesAgree};
+    return Decision{LoopStage::kRejected, LoopReason::kAppearance};
+  if (contradicts_same_room(*rooms)) return Decision{LoopStage::kRejected, LoopReason::kDoesNotFit};
+  return Decision{LoopStage::kVerified, LoopReason::kKeyframesAgree};
 }
 
 /// Decides on the waiting loops that are not provisional yet.
@@ -282,17 +278,17 @@ LoopDecisions LoopHypotheses::decide(const Map& map) {
     const Group group = group_of(i, map);
     LoopClosure& loop = waiting_[i].verified.loop;
     loop.support = static_cast<int>(group.keyframes.size());
-    const auto verdict = judge(loop, group, map);
-    if (!verdict) {
+    const auto decision = judge(loop, group, map);
+    if (!decision) {
       ask(loop, group);
-    } else if (verdict->stage == LoopStage::kVerified) {
-      accept(loop, group, verdict->reason, decisions);
-    } else if (verdict->stage == LoopStage::kRejected) {
-      reject(group.waiting, verdict->reason, decisions);
-      if (verdict->reason != LoopReason::kScale) contradicted_.push_back(loop.ends());
+    } else if (decision->stage == LoopStage::kVerified) {
+      accept(loop, group, decision->reason, decisions);
+    } else if (decision->stage == LoopStage::kRejected) {
+      reject(group.waiting, decision->reason, decisions);
+      if (decision->reason != LoopReason::kScale) contradicted_.push_back(loop.ends());
     } else {
       waiting_[i].state = State::kProvisional;
-      decisions.others.push_back(as(loop, verdict->stage, verdict->reason));
+      decisions.others.push_back(as(loop, decision->stage, decision->reason));
     }
   }
   std::erase_if(waiting_, [](const Waiting& waiting) { return waiting.state == State::kDecided; });

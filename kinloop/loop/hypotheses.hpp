@@ -102,19 +102,18 @@ class LoopHypotheses {
     int keyframes, views_if_doubted;
   };
   struct Group;
-  struct Verdict;
+  struct Decision;
   static const Requirements kDuringRun, kAtEnd;
 
   void forget_withdrawn(const Map& map);
   [[nodiscard]] Group group_of(size_t index, const Map& map) const;
   [[nodiscard]] const RoomComparison* rooms_of(const Group& group) const;
   [[nodiscard]] bool is_out_of_reach(const LoopClosure& loop, const Map& map) const;
-  [[nodiscard]] bool is_aliased(const Map& map, KeyframeId keyframe);
-  [[nodiscard]] bool joins_aliased_places(const Group& group, const Map& map);
+  [[nodiscard]] bool joins_aliased_places(const Group& group, const Map& map) const;
   [[nodiscard]] bool needs_more_views(const LoopClosure& loop, const Map& map) const;
-  [[nodiscard]] std::optional<Verdict> judge(const LoopClosure& loop, const Group& group, const Map& map);
-  [[nodiscard]] std::optional<Verdict> judge_join(const LoopClosure& loop, const Group& group,
-                                                  const Map& map);
+  [[nodiscard]] std::optional<Decision> judge(const LoopClosure& loop, const Group& group, const Map& map);
+  [[nodiscard]] std::optional<Decision> judge_join(const LoopClosure& loop, const Group& group,
+                                                   const Map& map);
   void ask(const LoopClosure& loop, const Group& group);
   void accept(const LoopClosure& loop, const Group& group, LoopReason reason, LoopDecisions& decisions);
   void reject(const std::vector<size_t>& loops, LoopReason reason, LoopDecisions& decisions);
@@ -124,7 +123,6 @@ class LoopHypotheses {
   std::vector<KeyframeId> more_evidence_needed_;
   std::vector<Beginning> beginnings_;
   std::vector<LoopEnds> contradicted_;  // loops that would have joined components
-  std::map<KeyframeId, bool> aliased_;  // of the keyframes that were asked for: it takes time
   std::vector<Waiting> waiting_;
   Requirements required_ = kDuringRun;
   std::vector<LoopClosure> asked_;            // to be compared, one of each group

@@ -217,7 +217,7 @@ TEST_F(Hypotheses, OneLoopIsEnoughWhereTheMapPredictsIt) {
   EXPECT_EQ(alone.accepted[0].loop.reason, LoopReason::kFitsMap);
 }
 
-TEST_F(Hypotheses, PlacesThatHaveDoublesDoNotJoinVisits) {
+TEST_F(Hypotheses, AliasedPlacesDoNotJoinVisits) {
   aliased_ = {first(2), first(3), second(4)};  // of either visit
   for (const uint32_t i : {2U, 3U, 4U}) add({loop(i, i)});
   for (const uint32_t i : {5U, 6U}) {
@@ -225,10 +225,22 @@ TEST_F(Hypotheses, PlacesThatHaveDoublesDoNotJoinVisits) {
     EXPECT_THAT(waits.accepted, IsEmpty()) << i;
     EXPECT_THAT(reasons(waits.others), ElementsAre(LoopReason::kAmbiguous));
   }
-  EXPECT_THAT(add({loop(7, 7)}).accepted, SizeIs(6)) << "three show places without doubles";
+  EXPECT_THAT(add({loop(7, 7)}).accepted, SizeIs(6)) << "three show places that are not aliased";
 }
 
-TEST_F(Hypotheses, WithinAVisitPlacesMayHaveDoubles) {
+/// A later keyframe shows that a place is aliased, after it was asked for the first time.
+TEST_F(Hypotheses, APlaceThatTurnsOutToBeAliasedDoesNotJoinVisits) {
+  for (const uint32_t i : {2U, 3U}) add({loop(i, i)});
+  hypotheses_.add(map_, {loop(4, 4)});
+  ASSERT_TRUE(hypotheses_.needs_comparison());
+  aliased_ = {first(2), first(3), first(4)};
+  const LoopDecisions waits =
+      hypotheses_.decide(map_, compare_rooms(hypotheses_.join_problem(map_, sensor_)));
+  EXPECT_THAT(waits.accepted, IsEmpty());
+  EXPECT_THAT(reasons(waits.others), ElementsAre(LoopReason::kAmbiguous));
+}
+
+TEST_F(Hypotheses, WithinAVisitPlacesMayBeAliased) {
   aliased_ = {first(0), first(kPerVisit - 1)};
   LoopClosure closure = loop(0, 0).loop;
   closure.a = first(0), closure.b = first(kPerVisit - 1);

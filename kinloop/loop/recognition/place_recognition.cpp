@@ -90,7 +90,6 @@ BowVector PlaceRecognition::bow_of(const Features& features) const {
 void PlaceRecognition::add(const Keyframe& keyframe) {
   QuantizedFeatures quantized = vocabulary_.quantize(keyframe.features->descriptors);
   index_.add(keyframe.id, vocabulary_.bow_of(quantized.words));
-  aliased_.clear();
   if (keyframe.id.value >= nodes_.size()) nodes_.resize(keyframe.id.value + 1);
   nodes_[keyframe.id.value] = std::move(quantized.nodes);
 }
@@ -149,22 +148,28 @@ bool PlaceRecognition::is_aliased(KeyframeId id, const Map& map) const {
 /// Asks the views around: where something repeats itself, the camera has not looked at all of it alike.
 bool PlaceRecognition::is_aliased(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const {
   const auto views = views_around(map, component, p_world);
-  return std::any_of(views.begin(), views.end(), [&](KeyframeId view) {
-    const auto [found, added] = aliased_.try_emplace(view, false);
-    if (added) found->second = find_alias(view, map);
-    return found->second;
-  });
+  return std::any_of(views.begin(), views.end(), [&](KeyframeId view) { return is_view_aliased(view, map); });
 }
 
-/// Whether a keyframe is recognized in a part of its component that it does not show.
-bool PlaceRecognition::find_alias(KeyframeId id, const Map& map) const {
+/// Remembers what was found in the map of one epoch, so that only new keyframes are compared.
+bool PlaceRecognition::is_view_aliased(KeyframeId id, const Map& map) const {
+  AliasSearch& search = aliases_[id];
+  if (search.epoch != map.epoch()) search = {.epoch = map.epoch()};
+  if (!search.found) search.found = find_alias(id, KeyframeId{search.compared}, map);
+  search.compared = end_of(map).value;
+  return search.found;
+}
+
+/// Whether a keyframe is recognized in a part of its component that it does not show, by those from `first`
+/// on.
+bool PlaceRecognition::find_alias(KeyframeId id, KeyframeId first, const Map& map) const {
   constexpr size_t kLookedAt = 60, kMaxVerified = 8;  // verification takes time
   const Keyframe& keyframe = map.keyframe(id);
   const auto group = covisible_group(map, id);  // they show the same place
   std::vector<KeyframeId> verified;
   for (const auto& [other, score] : index_.query(index_.bow_of(id), kLookedAt)) {
     const Keyframe& view = map.keyframe(other);
-    if (view.withdrawn || view.component != keyframe.component) continue;
+    if (other < first || view.withdrawn || view.component != keyframe.component) continue;
     if (view_difference(view.T_world_camera, keyframe.T_world_camera)) continue;
     if (std::binary_search(group.begin(), group.end(), other) || !is_apart(map, other, verified)) continue;
     if (looks_like(keyframe, view, map)) return true;

@@ -45,8 +45,16 @@ class PlaceRecognition {
   [[nodiscard]] LoopVerificationProblem find_loops(const Map& map, KeyframeId keyframe) const;
 
  private:
+  /// What has been looked at to find an alias of a view.
+  struct AliasSearch {
+    uint32_t epoch = 0;     // of the map
+    uint32_t compared = 0;  // with the keyframes before this one
+    bool found = false;
+  };
+
   [[nodiscard]] bool is_aliased(uint32_t component, const Eigen::Vector3d& p_world, const Map& map) const;
-  [[nodiscard]] bool find_alias(KeyframeId id, const Map& map) const;
+  [[nodiscard]] bool is_view_aliased(KeyframeId id, const Map& map) const;
+  [[nodiscard]] bool find_alias(KeyframeId id, KeyframeId first, const Map& map) const;
   [[nodiscard]] bool looks_like(const Keyframe& keyframe, const Keyframe& other, const Map& map) const;
   [[nodiscard]] BowVector bow_of(const Features& features) const;
   [[nodiscard]] std::optional<TrackedFrame> locate_at(KeyframeId candidate, const Frame& frame,
@@ -56,8 +64,8 @@ class PlaceRecognition {
   PlaceContext context_;
   Vocabulary vocabulary_;
   PlaceIndex index_;
-  mutable std::map<KeyframeId, bool> aliased_;  // what `find_alias` has found since the last keyframe
-  std::vector<std::vector<NodeId>> nodes_;      // by keyframe id: the vocabulary node of each keypoint
+  mutable std::map<KeyframeId, AliasSearch> aliases_;  // of the views that were asked for: it takes time
+  std::vector<std::vector<NodeId>> nodes_;             // by keyframe id: the vocabulary node of each keypoint
 };
 
 }  // namespace kinloop

@@ -47,12 +47,12 @@ class JoinCheck {
   std::vector<LoopEnds> take_contradicted(const Map& map, int min_views);
 
  private:
-  struct Join {
+  struct Evidence {
     uint32_t next_keyframe = 0;  ///< the first not looked at
     AppearanceTally appearance;
   };
 
-  std::map<VisitPair, Join> joins_;
+  std::map<VisitPair, Evidence> joins_;
 };
 
 }  // namespace kinloop
