@@ -221,8 +221,12 @@ bool Map::apply(const MapUpdate& update) {
     if (contains(id) && keyframe(observation.keyframe).landmark_of[observation.feature] == id)
       remove_observation(id, observation);
   }
-  for (const auto& [from, into] : update.merges) {
-    if (from != into && contains(from) && contains(into)) merge(from, into);
+  for (const auto& [loop, merges] : update.merges) {
+    for (const auto& [from, into] : merges) {
+      if (from == into || !contains(from) || !contains(into)) continue;
+      merged_by_loop_[loop].push_back({landmark(from), into, keyframes_.back().id});
+      merge(from, into);
+    }
   }
   return true;
 }

@@ -62,8 +62,9 @@ class Map {
 
   // Shrinking.
 
-  /// Takes loop closures back, for `reason`: they are no edges any more, landmarks that only they have tied
-  /// together are split, and components that only they have joined are parted. Poses stay as they are. The
+  /// Takes loop closures back, for `reason`: they are no edges any more, landmarks that they merged are again
+  /// what they were, those that only they have tied together since are split, and so are components that only
+  /// they have joined. Poses stay as they are. The
   /// epoch does not advance. If components were parted, returns T_world_camera of all keyframes before, else
   /// nothing.
   std::vector<SE3> withdraw_loops(std::span<const LoopEnds> loops, LoopReason reason);
@@ -159,6 +160,7 @@ class Map {
   void move_anchor(Landmark& landmark);
   void merge_components(const LoopClosure& loop);
   void split_components();
+  void undo_merge(const MergedLandmark& merged);
   void split_landmarks(const std::vector<uint32_t>& side_of);
   void split_tracks(const LoopEnds& loop);
   void split(LandmarkId id, const std::vector<Observation>& moved);
@@ -175,8 +177,9 @@ class Map {
     KeyframeId observer;
   };
   std::map<LandmarkId, Merged> merged_into_;
-  std::vector<LoopClosure> loop_closures_;  // accepted
-  std::vector<LoopClosure> other_loops_;    // provisional, rejected and withdrawn
+  std::map<LoopEnds, std::vector<MergedLandmark>> merged_by_loop_;  // of accepted ones of this run
+  std::vector<LoopClosure> loop_closures_;                          // accepted
+  std::vector<LoopClosure> other_loops_;                            // provisional, rejected and withdrawn
   size_t landmark_count_ = 0;
   uint32_t component_count_ = 0;
   uint32_t epoch_ = 0;

@@ -1,5 +1,5 @@
-// How a map takes back loop closures that were false: the landmarks that they merged are split, and the
-// components that they joined are parted.
+// How a map takes back loop closures that were false: the landmarks that they merged are again what they
+// were, and the components that they joined are split.
 
 #include <algorithm>
 #include <set>
@@ -25,6 +25,10 @@ std::vector<SE3> Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason
     require(found != loop_closures_.end(), "withdraw_loops: no such loop closure");
     LoopClosure loop = *found;
     loop_closures_.erase(found);
+    const auto merged = merged_by_loop_.extract(ends);
+    if (!merged.empty())
+      std::for_each(merged.mapped().rbegin(), merged.mapped().rend(),
+                    [this](const MergedLandmark& landmark) { undo_merge(landmark); });
     // What never bent the map was a candidate only.
     loop.stage = loop.corrected ? LoopStage::kWithdrawn : LoopStage::kRejected;
     loop.reason = reason;
@@ -42,6 +46,36 @@ std::vector<SE3> Map::withdraw_loops(std::span<const LoopEnds> loops, LoopReason
   split_components();
   if (component_count_ == components) return {};
   return T_world_keyframe_before;
+}
+
+/// Makes a landmark again what it was before a loop closure merged it into another. What later keyframes have
+/// observed is what the camera saw at the newer end of the loop, of which it is.
+void Map::undo_merge(const MergedLandmark& merged) {
+  const LandmarkId into = resolve_merged(merged.into);
+  if (contains(merged.from.id) || !contains(into)) return;
+  const auto& before = merged.from.observations;
+  std::vector<Observation> own;
+  for (const Observation& seen : landmark(into).observations) {
+    if (seen.keyframe > merged.newest || std::find(before.begin(), before.end(), seen) != before.end())
+      own.push_back(seen);
+  }
+  merged_into_.erase(merged.from.id);
+  if (own.empty()) return;
+  for (const Observation& seen : own) remove_observation(into, seen);
+  const Eigen::Vector3d p_world = keyframe(merged.from.anchor).T_world_camera * merged.from.p_anchor;
+  const auto by_anchor = std::find_if(
+      own.begin(), own.end(), [&](const Observation& seen) { return seen.keyframe == merged.from.anchor; });
+  const Observation first = by_anchor == own.end() ? own.front() : *by_anchor;
+  Keyframe& anchor = keyframe_ref(first.keyframe);
+  const Eigen::Vector3d p_anchor = by_anchor == own.end()
+                                       ? Eigen::Vector3d(anchor.T_world_camera.inverse() * p_world)
+                                       : merged.from.p_anchor;
+  landmarks_[merged.from.id.value] = Landmark{merged.from.id, anchor.id, p_anchor, {first}};
+  anchor.landmark_of[first.feature] = merged.from.id;
+  ++landmark_count_;
+  for (const Observation& seen : own) {
+    if (seen != first) add_observation(merged.from.id, seen);
+  }
 }
 
 /// Gives the visits of a component that no loop closure joins any more components of their own. That of the

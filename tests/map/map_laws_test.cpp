@@ -152,7 +152,7 @@ TEST(MapLaws, AStaleUpdateChangesNothing) {
     Map& map = random.grow(300).map();
     MapUpdate update = random.random_update();
     const auto ids = map.landmark_ids();
-    update.merges = {{ids[0], ids[1]}};
+    update.merges = {{{}, {{ids[0], ids[1]}}}};
     update.outliers = {{ids[2], map.landmark(ids[2]).observations.front()}};
     map.advance_epoch();
     const MapData before = map.data();
@@ -230,9 +230,10 @@ TEST(MapLaws, MergesOfAnUpdateAreIdempotent) {
     RandomMap random(seed);
     Map& map = random.grow(400).map();
     MapUpdate update;
+    LandmarkMerges& merges = update.merges.emplace_back().merges;
     for (int i = 0; i < 20; ++i) {
       const LandmarkId from = random.landmark(), into = random.landmark();
-      update.merges.emplace_back(from, into);
+      merges.emplace_back(from, into);
     }
     update.epoch = map.epoch();
     ASSERT_TRUE(map.apply(update));

@@ -192,7 +192,7 @@ TEST(Map, UpdatesSkipErasedLandmarks) {
   MapUpdate update;
   update.p_world = {{gone, {1, 1, 1}}, {stays, {2, 2, 2}}};
   update.outliers = {{gone, {b, 0}}};
-  update.merges = {{gone, stays}, {stays, gone}, {stays, stays}};
+  update.merges = {{{a, b}, {{gone, stays}, {stays, gone}, {stays, stays}}}};
   update.newest_keyframe = b;
   ASSERT_TRUE(map.apply(update));
   EXPECT_LT((map.p_world(stays) - Eigen::Vector3d(2, 2, 2)).norm(), 1e-12);

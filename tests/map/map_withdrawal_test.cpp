@@ -178,6 +178,39 @@ TEST(LoopWithinAVisit, InterruptedTracksAreSplitUnlessAnotherLoopSpansThem) {
   }
 }
 
+/// What a loop merged is again what it was, with what the camera has seen of it since.
+TEST(LoopWithinAVisit, MergedLandmarksAreAgainWhatTheyWere) {
+  Map map;
+  for (uint32_t i = 0; i < 30; ++i)
+    map.add_keyframe(FrameId{i}, 0, test::camera_at(0.01 * i, {0.1 * i, 0, 0}), features_at(kDepth_m));
+  const KeyframeId old{2}, newer{27}, later{29};
+  const LandmarkId into = map.add_landmark(old, 0, {0, 0, 2});
+  map.add_observation(into, {KeyframeId{3}, 0});
+  const LandmarkId from = map.add_landmark(KeyframeId{26}, 0, {0.3, 0.2, 1.7});
+  map.add_observation(from, {newer, 0});
+  const Landmark before = map.landmark(from), other = map.landmark(into);
+  map.add_loop_closure(verified_loop(old, newer, SE3{}));
+  MapUpdate update;
+  update.epoch = map.epoch();
+  update.merges = {{{old, newer}, {{from, into}}}};
+  update.newest_keyframe = KeyframeId{28};
+  ASSERT_TRUE(map.apply(update));
+  ASSERT_EQ(map.resolve_merged(from), into);
+  const KeyframeId last =
+      map.add_keyframe(FrameId{30}, 0, map.keyframe(later).T_world_camera, features_at(kDepth_m));
+  map.add_observation(into, {last, 0});
+
+  map.withdraw_loops(std::vector<LoopEnds>{{old, newer}}, LoopReason::kDoesNotFit);
+  map.check_invariants();
+  EXPECT_EQ(map.resolve_merged(from), from);
+  EXPECT_EQ(map.landmark(into).observations, other.observations);
+  EXPECT_EQ(map.landmark(from).anchor, before.anchor);
+  EXPECT_EQ(map.landmark(from).p_anchor, before.p_anchor);
+  EXPECT_THAT(map.landmark(from).observations,
+              testing::UnorderedElementsAre(Observation{KeyframeId{26}, 0}, Observation{newer, 0},
+                                            Observation{last, 0}));
+}
+
 TEST(LoopRecords, ALaterDecisionReplacesTheRecord) {
   Map map;
   const KeyframeId a = map.add_keyframe(FrameId{0}, 0, SE3{}, features_at(1));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "kinloop/optimize/pose_graph/pose_graph_error.hpp"
@@ -96,10 +97,10 @@ MapUpdate update_of(const LoopCorrectionProblem& problem, const std::vector<SE3>
   update.epoch = problem.epoch;
   for (uint32_t i = 0; i < T_world_vertex.size(); ++i)
     update.T_world_camera.emplace_back(KeyframeId{i}, T_world_vertex[i]);
-  for (const auto& [loop, merges] : problem.merges) {
-    if (std::find(withdrawn.begin(), withdrawn.end(), loop) == withdrawn.end())
-      update.merges.insert(update.merges.end(), merges.begin(), merges.end());
-  }
+  std::copy_if(problem.merges.begin(), problem.merges.end(), std::back_inserter(update.merges),
+               [&](const LoopMerges& merges) {
+                 return std::find(withdrawn.begin(), withdrawn.end(), merges.loop) == withdrawn.end();
+               });
   return update;
 }
 

@@ -24,12 +24,6 @@ class OdometryBeforeLoops {
   std::vector<PoseGraphEdge> edges_;
 };
 
-/// The landmarks that a loop closure identifies.
-struct LoopMerges {
-  LoopEnds loop;
-  LandmarkMerges merges;
-};
-
 /// A pose graph over all keyframes, and the landmarks to merge after it is solved.
 struct LoopCorrectionProblem {
   PoseGraph graph;                      ///< vertex i is keyframe i; the edges of `loops` come last
