@@ -38,8 +38,10 @@ struct Frame {
   cv::Mat depth_m;                        ///< 32FC1, z in metres at each pixel of `color`, 0 = unknown
   cv::Mat infrared = {};                  ///< 16UC1, as seen by the depth camera; empty unless requested
   std::optional<int64_t> depth_stamp_ns;  ///< of the depth image; nullopt: not known
-  cv::Mat mask = {};  ///< 8UC1 of the size of `color`, 0 = to be ignored; empty = all is used
+  cv::Mat mask = {};  ///< 8UC1 of the size of `color`, 0 = the user wants it ignored; empty = all is used
 
+  cv::Mat ignored =
+      {};  ///< 8UC1 of the size of `color`, bits of IgnoreCause; empty until prepared or if all is used
   cv::Mat gray = {};                                 ///< 8UC1; empty until prepared
   std::vector<cv::Mat> octaves = {};                 ///< image pyramid of `gray`, see make_octaves
   std::shared_ptr<const SurfaceGrid> surfaces = {};  ///< of `depth_m`; null until prepared

@@ -40,7 +40,7 @@ Frame Slam::without_fixed_region(const Frame& frame) {
   // Depth that is missing or repeated says nothing of what moves.
   if (depth_.age_s() == 0 && fixed_region_.observe(frame)) withdraw_fixed_region();
   if (fixed_region_.points().empty()) return frame;
-  return front_end_.mask(frame, camera_mask());
+  return front_end_.ignore(frame, camera_mask(), IgnoreCause::kFixedToCamera);
 }
 
 /// Takes what has been found to move with the camera out of the keyframes made since it does. If most

@@ -3,7 +3,6 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/extraction/image_octaves.hpp"
-#include "kinloop/sensor/surfaces/mask.hpp"
 #include "kinloop/sensor/surfaces/surface_mask.hpp"
 
 namespace kinloop {
@@ -19,7 +18,8 @@ cv::Mat masked_depth(const cv::Mat& depth_m, const cv::Mat& mask) {
 }  // namespace
 
 std::shared_ptr<const Features> FrontEnd::features(const Frame& frame) const {
-  Features features = extract_features(frame.gray, frame.depth_m, sensor_, options_, frame.mask);
+  Features features =
+      extract_features(frame.gray, frame.depth_m, sensor_, options_, used_pixels(frame.ignored));
   features.depth_stamp_difference_s = depth_stamp_difference_s(frame);
   return std::make_shared<const Features>(std::move(features));
 }
@@ -36,19 +36,16 @@ Frame FrontEnd::prepare(Frame frame) const {
   require(frame.mask.empty() || (frame.mask.type() == CV_8UC1 && frame.mask.size() == size),
           "prepare: the mask must be 8UC1, of the camera's size");
   const Stopwatch watch;
-  if (!frame.mask.empty()) frame.depth_m = masked_depth(frame.depth_m, frame.mask);
   frame.id = FrameId{first_frame_ + frame.id.value};
   frame.gray = frame.color.gray();
   frame.octaves = make_octaves(frame.gray, kOctaves);
-  frame.surfaces = surfaces(frame.depth_m);
+  if (frame.mask.empty()) {
+    frame.surfaces = surfaces(frame.depth_m);
+  } else {
+    const cv::Mat mask = frame.mask;
+    frame = ignore(std::move(frame), mask, IgnoreCause::kUser);
+  }
   frame.time.preparing = watch.elapsed();
-  return frame;
-}
-
-Frame mask_images(Frame frame, const cv::Mat& mask) {
-  frame.mask = intersection_of_masks(frame.mask, mask);
-  frame.depth_m = masked_depth(frame.depth_m, mask);
-  frame.features = nullptr;
   return frame;
 }
 
@@ -64,9 +61,11 @@ Frame FrontEnd::scale_depth(Frame frame, double factor) const {
   return frame;
 }
 
-Frame FrontEnd::mask(Frame frame, const cv::Mat& mask) const {
-  frame = mask_images(std::move(frame), mask);
-  frame.surfaces = surfaces(frame.depth_m);
+Frame FrontEnd::ignore(Frame frame, const cv::Mat& mask, IgnoreCause cause) const {
+  frame.ignored = with_cause(frame.ignored, mask, cause);
+  frame.depth_m = masked_depth(frame.depth_m, mask);
+  frame.features = nullptr;
+  if (cause != IgnoreCause::kMoved) frame.surfaces = surfaces(frame.depth_m);
   return frame;
 }
 

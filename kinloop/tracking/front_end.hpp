@@ -4,6 +4,7 @@
 #include "kinloop/features/options.hpp"
 #include "kinloop/sensor/frame.hpp"
 #include "kinloop/sensor/sensor.hpp"
+#include "kinloop/sensor/surfaces/mask.hpp"
 #include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 namespace kinloop {
@@ -22,8 +23,9 @@ class FrontEnd {
   /// unless both images have the camera's size and the types of Frame.
   [[nodiscard]] Frame prepare(Frame frame) const;
 
-  /// Returns a prepared frame that also ignores the pixels where `mask` (8UC1, of the camera's size) is 0.
-  [[nodiscard]] Frame mask(Frame frame, const cv::Mat& mask) const;
+  /// Returns a prepared frame without the depth and the features where `mask` (8UC1, of the camera's size) is
+  /// 0. It keeps the surfaces of what moved, which tell whether it still does.
+  [[nodiscard]] Frame ignore(Frame frame, const cv::Mat& mask, IgnoreCause cause) const;
 
   /// Returns a prepared frame with all depths multiplied by `factor`; 0 = without depth.
   [[nodiscard]] Frame scale_depth(Frame frame, double factor) const;
@@ -43,10 +45,6 @@ class FrontEnd {
   uint32_t first_frame_;
   std::shared_ptr<const SurfaceCamera> surface_camera_;
 };
-
-/// Returns a prepared frame without the depth and the features where `mask` (8UC1, of the camera's size) is
-/// 0, but with all of its surfaces.
-Frame mask_images(Frame frame, const cv::Mat& mask);
 
 /// Returns the depth of a prepared frame without the points of its surface grid that are marked in `moved`,
 /// see TrackedFrame::moved: what moves would leave a trail in a dense map.

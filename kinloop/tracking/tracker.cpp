@@ -130,7 +130,9 @@ Frame Tracker::with_features(Frame frame) const {
 /// tell whether it still does.
 Frame Tracker::without_moved(const Frame& frame) const {
   if (!previous_ || state_.lost_frames > 0 || previous_->moved.empty() || !frame.surfaces) return frame;
-  return mask_images(frame, unmarked_pixels(*frame.surfaces->camera, previous_->moved, frame.gray.size()));
+  return front_end_.ignore(frame,
+                           unmarked_pixels(*frame.surfaces->camera, previous_->moved, frame.gray.size()),
+                           IgnoreCause::kMoved);
 }
 
 /// Drivers repeat the previous image in place of a lost one: the camera has moved, the image has not. Images

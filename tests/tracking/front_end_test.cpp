@@ -98,7 +98,8 @@ TEST(FrontEnd, AMaskLeavesOutKeypointsDepthAndSurfaces) {
   mask(left) = 0;
   frame.mask = mask;
   // By the source, or later.
-  for (const Frame& masked : {front_end.prepare(frame), front_end.mask(whole, mask)}) {
+  for (const Frame& masked :
+       {front_end.prepare(frame), front_end.ignore(whole, mask, IgnoreCause::kFixedToCamera)}) {
     EXPECT_EQ(cv::countNonZero(masked.depth_m(left)), 0);
     EXPECT_EQ(cv::countNonZero(masked.depth_m), camera.height * (camera.width - left.width));
     const auto features = front_end.features(masked);
@@ -109,7 +110,8 @@ TEST(FrontEnd, AMaskLeavesOutKeypointsDepthAndSurfaces) {
     const auto& points = masked.surfaces->inverse_depths_per_m;
     EXPECT_GT(std::count(points.begin(), points.end(), 0.0F), static_cast<long>(points.size() / 2 - 100));
   }
-  EXPECT_GT(front_end.features(whole)->size(), front_end.features(front_end.mask(whole, mask))->size());
+  EXPECT_GT(front_end.features(whole)->size(),
+            front_end.features(front_end.ignore(whole, mask, IgnoreCause::kFixedToCamera))->size());
   frame.mask = mask(cv::Rect(0, 0, 10, 10));
   EXPECT_THROW(front_end.prepare(frame), std::logic_error);
 }
@@ -122,9 +124,22 @@ TEST(FrontEnd, TwoMasksAddUp) {
   left(cv::Rect(0, 0, camera.width / 2, camera.height)) = 0;
   top(cv::Rect(0, 0, camera.width, camera.height / 2)) = 0;
   frame.mask = left;
-  const Frame both = front_end.mask(front_end.prepare(frame), top);
-  EXPECT_EQ(cv::countNonZero(both.mask), camera.width / 2 * (camera.height / 2));
-  EXPECT_EQ(cv::countNonZero(both.depth_m), cv::countNonZero(both.mask));
+  const Frame both = front_end.ignore(front_end.prepare(frame), top, IgnoreCause::kFixedToCamera);
+  const cv::Mat used = used_pixels(both.ignored);
+  EXPECT_EQ(cv::countNonZero(used), camera.width / 2 * (camera.height / 2));
+  EXPECT_EQ(cv::countNonZero(both.depth_m), cv::countNonZero(used));
+}
+
+TEST(FrontEnd, WhatMovedKeepsItsSurfaces) {
+  PinholeCamera camera = test::ideal_camera();
+  const FrontEnd front_end(Sensor{camera}, {});
+  const Frame whole = front_end.prepare(large_frame(camera));
+  cv::Mat mask(camera.height, camera.width, CV_8UC1, cv::Scalar(255));
+  mask(cv::Rect(0, 0, camera.width / 2, camera.height)) = 0;
+  const Frame without = front_end.ignore(whole, mask, IgnoreCause::kMoved);
+  EXPECT_EQ(without.surfaces, whole.surfaces);
+  EXPECT_LT(front_end.features(without)->size(), front_end.features(whole)->size());
+  EXPECT_EQ(cv::countNonZero(without.depth_m), cv::countNonZero(mask));
 }
 
 }  // namespace

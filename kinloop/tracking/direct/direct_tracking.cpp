@@ -6,6 +6,7 @@
 
 #include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
+#include "kinloop/sensor/surfaces/mask.hpp"
 #include "kinloop/tracking/direct/align_images.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/motion/motion_compensation.hpp"
@@ -122,7 +123,7 @@ std::optional<TrackedFrame> solve_pose(const Frame& frame, const Features& compe
   }
   const auto solution =
       solve_by_confirmed_first(c.search.sensor, observations, confirmed, guess, c.options.pose);
-  if (!solution || !is_confident(*solution, found.size(), !frame.mask.empty(), c.options))
+  if (!solution || !is_confident(*solution, found.size(), !frame.ignored.empty(), c.options))
     return std::nullopt;
   TrackedFrame tracked = unlocated(frame);
   tracked.outcome = TrackingOutcome::kTracked;
@@ -144,8 +145,8 @@ std::optional<TrackedFrame> track_directly(const Frame& frame, const SE3& T_refe
   constexpr float kMaxShift_px = 4;
   if (c.previous.frame->octaves.empty() || frame.octaves.empty()) return std::nullopt;
   const SE3 T_reference_aligned = align_with_previous(frame, T_reference_predicted, c);
-  const auto expected = choose_landmarks(T_reference_aligned, frame.mask, c);
-  const int min_expected = frame.mask.empty() ? c.options.min_confident_inliers : kMinConfirmed;
+  const auto expected = choose_landmarks(T_reference_aligned, used_pixels(frame.ignored), c);
+  const int min_expected = frame.ignored.empty() ? c.options.min_confident_inliers : kMinConfirmed;
   if (static_cast<int>(expected.size()) < min_expected) return std::nullopt;
   std::vector<FoundPatch> found;
   for (const ExpectedPatch& patch : expected) {
