@@ -8,7 +8,6 @@
 #include "kinloop/features/kernels/corner_scores.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"
 #include "kinloop/features/kernels/hamming_rows.hpp"
-#include "kinloop/features/kernels/orientation.hpp"
 #include "kinloop/features/kernels/steered_brief.hpp"
 #include "kinloop/optimize/kernels/bundle_products.hpp"
 #include "kinloop/optimize/kernels/gram.hpp"

@@ -13,13 +13,8 @@
 #include <vector>
 
 #include "kinloop/back_end/executor.hpp"
-#include "kinloop/back_end/jobs/global_ba_job.hpp"
-#include "kinloop/back_end/jobs/join_check_job.hpp"
-#include "kinloop/back_end/jobs/local_ba_job.hpp"
-#include "kinloop/back_end/jobs/loop_correction_job.hpp"
-#include "kinloop/back_end/jobs/loop_decision_job.hpp"
-#include "kinloop/back_end/jobs/loop_verification_job.hpp"
-#include "kinloop/back_end/jobs/self_calibration_job.hpp"
+#include "kinloop/back_end/jobs/adjustment_jobs.hpp"
+#include "kinloop/back_end/jobs/loop_jobs.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 
 namespace kinloop {

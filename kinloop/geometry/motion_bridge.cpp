@@ -1,9 +1,8 @@
-#include "kinloop/geometry/motion_bridge.hpp"
-
 #include <cmath>
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
 namespace {

@@ -117,9 +117,7 @@ int count_with_depth(std::span<const LandmarkMatch> matches, const LocalMap& loc
   }));
 }
 
-std::optional<ProjectedPoint> project_landmark(const LocalMap& local_map, uint32_t index,
-                                               const Features& features, const SE3& T_reference_camera,
-                                               double window_px, const PinholeCamera& camera) {
+std::optional<ProjectedPoint> LandmarkProjector::operator()(uint32_t index) const {
   const Eigen::Vector3d from_camera = local_map.p_reference[index] - T_reference_camera.translation;
   const Eigen::Vector3d p_camera = T_reference_camera.rotation.conjugate() * from_camera;
   if (!(p_camera.z() > 0)) return std::nullopt;

@@ -68,10 +68,17 @@ LocalMap make_local_map(const Map& map, KeyframeId reference, const LocalMapOpti
 /// Returns how many of the matched landmarks are of known depth.
 int count_with_depth(std::span<const LandmarkMatch> matches, const LocalMap& local_map);
 
-/// Projects landmark `index` into a camera at `T_reference_camera`, with a search window of half side
-/// `window_px` on level 0; nullopt if it is out of view or the viewing direction differs too much.
-std::optional<ProjectedPoint> project_landmark(const LocalMap& local_map, uint32_t index,
-                                               const Features& features, const SE3& T_reference_camera,
-                                               double window_px, const PinholeCamera& camera);
+/// Projects landmarks into a camera at `T_reference_camera`, with a search window of half side `window_px` on
+/// level 0.
+struct LandmarkProjector {
+  const LocalMap& local_map;
+  const Features& features;
+  const PinholeCamera& camera;
+  SE3 T_reference_camera;
+  double window_px = 0;
+
+  /// nullopt if the landmark is out of view or the viewing direction differs too much.
+  [[nodiscard]] std::optional<ProjectedPoint> operator()(uint32_t index) const;
+};
 
 }  // namespace kinloop

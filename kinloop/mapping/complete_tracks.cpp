@@ -1,4 +1,3 @@
-#include "kinloop/mapping/complete_tracks.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -25,10 +25,10 @@ std::vector<LandmarkMatch> find_unobserved_landmarks(const Map& map, KeyframeId 
     if (landmark.value >= seen.size()) seen.resize(landmark.value + 1, false);
     seen[landmark.value] = true;
   }
+  const LandmarkProjector project{local_map, features, camera, SE3{}, options.local_map_window_px};
   for (uint32_t i = 0; i < local_map.size(); ++i) {
     if (local_map.ids[i].value < seen.size() && seen[local_map.ids[i].value]) continue;
-    const auto expected =
-        project_landmark(local_map, i, features, SE3{}, options.local_map_window_px, camera);
+    const auto expected = project(i);
     if (!expected) continue;
     projected.push_back(*expected);
     landmarks.push_back(local_map.ids[i]);

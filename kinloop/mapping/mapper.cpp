@@ -1,9 +1,8 @@
 #include "kinloop/mapping/mapper.hpp"
 
 #include "kinloop/mapping/landmark_creation.hpp"
-#include "kinloop/mapping/triangulate.hpp"
 #include "kinloop/sensor/surfaces/surface_mask.hpp"
-#include "kinloop/tracking/direct/refine_keypoints.hpp"
+#include "kinloop/tracking/direct/patch_search.hpp"
 #include "kinloop/tracking/evidence/moved_points.hpp"
 #include "kinloop/tracking/motion/motion_compensation.hpp"
 

@@ -1,11 +1,10 @@
-#include "kinloop/mapping/triangulate.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
 #include "kinloop/features/matcher.hpp"
+#include "kinloop/mapping/landmark_creation.hpp"
 
 namespace kinloop {
 namespace {
@@ -34,11 +33,10 @@ Bearing make_bearing(const Features& features, uint32_t feature, const PinholeCa
           static_cast<double>(features.sigmas_px[feature]) / camera.fx};
 }
 
-/// Whether the keypoint scales are consistent with one point at these distances.
-bool consistent_scale(const Features& a, uint32_t i, double distance_a_m, const Features& b, uint32_t j,
-                      double distance_b_m) {
-  const double expected_levels = std::log(distance_a_m / distance_b_m) / std::log(a.scale_factor);
-  return std::abs(b.levels[j] - a.levels[i] - expected_levels) <= 1.5;
+/// Whether keypoints this many levels apart are consistent with one point at these distances.
+bool consistent_scale(int levels, double distance_a_m, double distance_b_m, double scale_factor) {
+  const double expected_levels = std::log(distance_a_m / distance_b_m) / std::log(scale_factor);
+  return std::abs(levels - expected_levels) <= 1.5;
 }
 
 int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const PinholeCamera& camera,
@@ -57,7 +55,8 @@ int triangulate_pair(Map& map, KeyframeId id, KeyframeId neighbour_id, const Pin
     const auto point = triangulate(make_bearing(*features_a, i, camera), make_bearing(*features_b, j, camera),
                                    T_a_b, kMinParallaxRad);
     if (!point) continue;
-    if (!consistent_scale(*features_a, i, point->norm(), *features_b, j, (*point - T_a_b.translation).norm()))
+    if (!consistent_scale(features_b->levels[j] - features_a->levels[i], point->norm(),
+                          (*point - T_a_b.translation).norm(), features_a->scale_factor))
       continue;
     map.add_observation(map.add_landmark(id, i, *point), {neighbour_id, j});
     ++created;

@@ -79,4 +79,13 @@ struct DepthSensor {
 /// D455, which has a global shutter. It is unknown unless a source or the camera file names the sensor.
 DepthSensor depth_sensor(DepthSensorModel model, SensorOrigin origin);
 
+// The error that all depths of a sensor have in common.
+
+/// Returns the standard deviation of the scale of depth, relative. Time-of-flight cameras also receive light
+/// that was reflected more than once, which makes rooms larger or smaller by up to 0.5 %. Learned on
+/// simulated rooms 106 and 109.
+constexpr double depth_scale_sigma(DepthSensorKind kind) {
+  return kind == DepthSensorKind::kTimeOfFlight ? 0.003 : 0;
+}
+
 }  // namespace kinloop

@@ -4,14 +4,11 @@
 #include <functional>
 #include <utility>
 
-#include "kinloop/back_end/final/bridge_lost_frames.hpp"
-#include "kinloop/back_end/final/drift_covariances.hpp"
-#include "kinloop/back_end/final/final_bundle_adjustment.hpp"
-#include "kinloop/back_end/final/pose_covariances.hpp"
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/back_end/final/revise_doubt.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/place/vocabulary/default_vocabulary.hpp"
-#include "kinloop/sensor/depth_scale.hpp"
+#include "kinloop/sensor/depth_sensor.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/motion/motion_compensation.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "kinloop/back_end/final/refine_frames.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/loop/recognition/seek_support.hpp"
+#include "kinloop/loop/verification/verify_loop.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "kinloop/slam/slam.hpp"
 

@@ -18,9 +18,10 @@ struct VisibleLandmarks {
 
 VisibleLandmarks project_local_map(const TrackingInput& in, const SE3& T_reference_camera, double window_px) {
   VisibleLandmarks visible;
+  const LandmarkProjector project{in.local_map, *in.frame.features, in.sensor.camera, T_reference_camera,
+                                  window_px};
   for (uint32_t i = 0; i < in.local_map.size(); ++i) {
-    const auto expected = project_landmark(in.local_map, i, *in.frame.features, T_reference_camera, window_px,
-                                           in.sensor.camera);
+    const auto expected = project(i);
     if (!expected) continue;
     visible.projected.push_back(*expected);
     visible.index_in_local_map.push_back(i);

@@ -13,7 +13,6 @@
 #include "kinloop/tracking/direct/direct_tracking.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/evidence/moved_points.hpp"
-#include "kinloop/tracking/evidence/moving_keypoints.hpp"
 #include "kinloop/tracking/evidence/surface_evidence.hpp"
 #include "kinloop/tracking/keyframe_policy.hpp"
 #include "kinloop/tracking/motion/motion_compensation.hpp"

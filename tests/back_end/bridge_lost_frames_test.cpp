@@ -1,9 +1,8 @@
-#include "kinloop/back_end/final/bridge_lost_frames.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "tests/back_end/steady_log.hpp"
 
 namespace kinloop {

@@ -1,7 +1,7 @@
-#include "kinloop/back_end/final/drift_covariances.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "kinloop/back_end/final/final_pass.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,9 +1,8 @@
-#include "kinloop/back_end/final/erase_moved_landmarks.hpp"
-
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "tests/sensor/vga_surfaces.hpp"
 
 namespace kinloop {

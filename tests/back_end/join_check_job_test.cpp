@@ -1,8 +1,7 @@
-#include "kinloop/back_end/jobs/join_check_job.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "kinloop/back_end/jobs/loop_jobs.hpp"
 #include "tests/loop/joined_visits.hpp"
 
 namespace kinloop {

@@ -1,11 +1,10 @@
-#include "kinloop/back_end/jobs/loop_decision_job.hpp"
-
 #include <memory>
 #include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "kinloop/back_end/jobs/loop_jobs.hpp"
 #include "tests/loop/wall_view.hpp"
 #include "tests/support/synthetic_world.hpp"
 

@@ -1,10 +1,9 @@
-#include "kinloop/back_end/final/pose_covariances.hpp"
-
 #include <limits>
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
 

@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/features/extraction/corner_detector.hpp"
-#include "kinloop/features/extraction/detected_keypoints.hpp"
 #include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/matcher.hpp"

@@ -11,7 +11,6 @@
 #include "kinloop/features/kernels/corner_scores.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"
 #include "kinloop/features/kernels/hamming_rows.hpp"
-#include "kinloop/features/kernels/orientation.hpp"
 #include "kinloop/features/kernels/steered_brief.hpp"
 #include "tests/features/cluttered_image.hpp"
 #include "tests/support/simd_targets.hpp"

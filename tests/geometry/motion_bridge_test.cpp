@@ -1,5 +1,3 @@
-#include "kinloop/geometry/motion_bridge.hpp"
-
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -8,6 +6,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
 namespace {

@@ -91,7 +91,7 @@ class CompareWithViews : public testing::Test {
   [[nodiscard]] LocationEvidence compare(double wall_m,
                                          const SE3& T_world_camera = test::camera_at(0, {0, 0, 0}),
                                          uint32_t component = 0, uint32_t end = 6) const {
-    return compare_with_views(map_, component, KeyframeId{end}, *test::wall_view(wall_m), T_world_camera,
+    return compare_with_views(map_, KeyframeId{end}, {component, T_world_camera, *test::wall_view(wall_m)},
                               sensor_);
   }
 
@@ -110,7 +110,7 @@ TEST_F(CompareWithViews, APictureThatHangsElsewhereLooksDifferent) {
   Features other = *test::wall_view(2);
   other.descriptors.rowRange(0, other.descriptors.rows / 4) = 255;
   const auto evidence_of = [&](const Features& features) {
-    return compare_with_views(map_, 0, KeyframeId{6}, features, test::camera_at(0, {0, 0, 0}), sensor_);
+    return compare_with_views(map_, KeyframeId{6}, {0, test::camera_at(0, {0, 0, 0}), features}, sensor_);
   };
   EXPECT_LT(evidence_of(other).appearance_p_value, 1e-4);
   EXPECT_GT(evidence_of(*test::wall_view(2)).appearance_p_value, 0.5);

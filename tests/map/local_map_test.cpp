@@ -179,7 +179,7 @@ TEST_F(LocalMapTest, ProjectsEveryLandmarkInView) {
       const Eigen::Vector3d to_observer = pose(local.views[local.view_of[i]].keyframe).translation - p_world;
       const double cosine = to_camera.normalized().dot(to_observer.normalized());
       const bool visible = p_camera.z() > 0 && world_.camera.contains(world_.camera.project(p_camera));
-      const auto found = project_landmark(local, i, features, T_reference_camera, 4, world_.camera);
+      const auto found = LandmarkProjector{local, features, world_.camera, T_reference_camera, 4}(i);
       ASSERT_EQ(found.has_value(), visible && cosine >= 0.5);
       beside += visible && cosine < 0.5 ? 1 : 0;
       if (!found) continue;

@@ -7,9 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kinloop/mapping/bundle_adjustment.hpp"
-#include "kinloop/mapping/complete_tracks.hpp"
 #include "kinloop/mapping/landmark_creation.hpp"
-#include "kinloop/mapping/triangulate.hpp"
 #include "tests/support/random_map.hpp"
 #include "tests/support/synthetic_map.hpp"
 

@@ -1,4 +1,3 @@
-#include "kinloop/mapping/triangulate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 // Points observed by a moving rolling-shutter camera: ground truth for tests of the pose solvers.
 
-#include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
+#include "kinloop/optimize/pose/moving_pose.hpp"
 #include "tests/optimize/synthetic_view.hpp"
 
 namespace kinloop::test {

@@ -1,11 +1,10 @@
-#include "kinloop/optimize/pose_graph/pose_graph_covariance.hpp"
-
 #include <array>
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "tests/optimize/pose_graph_world.hpp"
 
 namespace kinloop {

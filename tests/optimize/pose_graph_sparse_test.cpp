@@ -6,8 +6,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/optimize/linear/sparse_cholesky.hpp"
-#include "kinloop/optimize/linear/sparse_elimination.hpp"
-#include "kinloop/optimize/pose_graph/solvers/newton_solver.hpp"
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_minimizer.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,8 +1,7 @@
-#include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
-
 #include <gtest/gtest.h>
 
 #include "kinloop/core/random.hpp"
+#include "kinloop/optimize/pose/moving_pose.hpp"
 #include "tests/optimize/moving_view.hpp"
 #include "tests/support/random_vectors.hpp"
 

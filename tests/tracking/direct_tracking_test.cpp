@@ -6,9 +6,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/features/patches.hpp"
-#include "kinloop/tracking/direct/align_images.hpp"
-#include "kinloop/tracking/direct/align_patch.hpp"
-#include "kinloop/tracking/direct/refine_keypoints.hpp"
+#include "kinloop/tracking/direct/alignment.hpp"
+#include "kinloop/tracking/direct/patch_search.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,10 +1,9 @@
-#include "kinloop/tracking/evidence/moving_keypoints.hpp"
-
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/sensor/surfaces/surface_mask.hpp"
+#include "kinloop/tracking/evidence/moved_points.hpp"
 #include "tests/sensor/vga_surfaces.hpp"
 
 namespace kinloop {

@@ -1,10 +1,9 @@
-#include "kinloop/back_end/final/bridge_lost_frames.hpp"
-
 #include <optional>
 #include <utility>
 
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/geometry/motion_bridge.hpp"
+#include "kinloop/geometry/velocity.hpp"
 #include "kinloop/map/frames/frame_velocities.hpp"
 
 namespace kinloop {

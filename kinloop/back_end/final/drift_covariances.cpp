@@ -1,5 +1,3 @@
-#include "kinloop/back_end/final/drift_covariances.hpp"
-
 #include <algorithm>
 #include <functional>
 #include <numeric>
@@ -7,8 +5,9 @@
 
 #include <Eigen/Cholesky>
 
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/loop/correction/correct_loop.hpp"
-#include "kinloop/optimize/pose_graph/pose_graph_covariance.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
 namespace kinloop {
 namespace {

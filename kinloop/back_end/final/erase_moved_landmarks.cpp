@@ -1,8 +1,7 @@
-#include "kinloop/back_end/final/erase_moved_landmarks.hpp"
-
 #include <algorithm>
 #include <vector>
 
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/map/observers.hpp"
 
 namespace kinloop {

@@ -1,8 +1,6 @@
-#include "kinloop/back_end/final/final_bundle_adjustment.hpp"
-
-#include "kinloop/back_end/final/erase_moved_landmarks.hpp"
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/back_end/final/refine_frames.hpp"
-#include "kinloop/mapping/complete_tracks.hpp"
+#include "kinloop/mapping/landmark_creation.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,4 @@
-#include "kinloop/back_end/final/pose_covariances.hpp"
-
+#include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/map/frames/online_covariance.hpp"
 #include "kinloop/map/frames/pose_scatter.hpp"
 

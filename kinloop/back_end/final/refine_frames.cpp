@@ -4,7 +4,7 @@
 
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/map/frames/frame_velocities.hpp"
-#include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
+#include "kinloop/optimize/pose/moving_pose.hpp"
 
 namespace kinloop {
 namespace {

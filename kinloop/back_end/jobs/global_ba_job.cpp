@@ -1,4 +1,4 @@
-#include "kinloop/back_end/jobs/global_ba_job.hpp"
+#include "kinloop/back_end/jobs/adjustment_jobs.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/jobs/local_ba_job.hpp"
+#include "kinloop/back_end/jobs/adjustment_jobs.hpp"
 
 namespace kinloop {
 

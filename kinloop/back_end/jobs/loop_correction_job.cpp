@@ -1,7 +1,7 @@
-#include "kinloop/back_end/jobs/loop_correction_job.hpp"
-
 #include <algorithm>
 #include <utility>
+
+#include "kinloop/back_end/jobs/loop_jobs.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,4 +1,4 @@
-#include "kinloop/back_end/jobs/loop_decision_job.hpp"
+#include "kinloop/back_end/jobs/loop_jobs.hpp"
 
 namespace kinloop {
 namespace {

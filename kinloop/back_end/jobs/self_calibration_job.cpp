@@ -1,7 +1,6 @@
-#include "kinloop/back_end/jobs/self_calibration_job.hpp"
-
 #include <utility>
 
+#include "kinloop/back_end/jobs/adjustment_jobs.hpp"
 #include "kinloop/map/frames/frame_velocities.hpp"
 #include "kinloop/tracking/motion/motion_compensation.hpp"
 

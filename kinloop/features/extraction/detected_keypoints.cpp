@@ -1,5 +1,3 @@
-#include "kinloop/features/extraction/detected_keypoints.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/random.hpp"
+#include "kinloop/features/extraction/corner_detector.hpp"
 #include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/features/hamming.hpp"
 

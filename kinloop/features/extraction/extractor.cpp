@@ -10,7 +10,6 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/features/extraction/corner_detector.hpp"
-#include "kinloop/features/extraction/detected_keypoints.hpp"
 #include "kinloop/features/hamming.hpp"
 #include "kinloop/features/kernels/gaussian_blur.hpp"
 #include "kinloop/features/kernels/steered_brief.hpp"

@@ -1,6 +1,6 @@
-#include "kinloop/features/kernels/brief_pattern.hpp"
-
 #include <cstdint>
+
+#include "kinloop/features/kernels/steered_brief.hpp"
 
 namespace kinloop {
 namespace {

@@ -125,9 +125,9 @@ struct ScoreRows {
   const uint8_t* below;
 };
 
-/// Appends the nonzero positions of `maxima` as corners; x and y start at `x0` and `y`.
-void append_corners(const ScoreRows& scores, std::span<const uint8_t> maxima, int x0, int y, int threshold,
-                    std::vector<RawCorner>& corners) {
+/// Appends the nonzero positions of `maxima`, which begin at `start`, as corners.
+void append_corners(const ScoreRows& scores, std::span<const uint8_t> maxima, const cv::Point& start,
+                    int threshold, std::vector<RawCorner>& corners) {
   const auto width = static_cast<int>(maxima.size());
   for (int x = 0; x < width; ++x) {
     uint64_t eight = 1;
@@ -138,7 +138,7 @@ void append_corners(const ScoreRows& scores, std::span<const uint8_t> maxima, in
     }
     const int score = maxima[static_cast<size_t>(x)];
     if (score == 0) continue;
-    corners.push_back({x0 + x, y, score + threshold,
+    corners.push_back({start.x + x, start.y, score + threshold,
                        peak_offset(scores.here[x - 1], score, scores.here[x + 1]),
                        peak_offset(scores.above[x], score, scores.below[x])});
   }
@@ -169,7 +169,7 @@ std::vector<RawCorner> find_corners(const cv::Mat& image, int threshold, int bor
     const ScoreRows rows{scores[static_cast<size_t>((row + 2) % 3)].data() + 1,
                          scores[static_cast<size_t>(row % 3)].data() + 1, ahead.data() + 1};
     HWY_DYNAMIC_DISPATCH(maxima_of_row)(rows.above, rows.here, rows.below, width, maxima.data());
-    append_corners(rows, maxima, border, border + row - 1, threshold, corners);
+    append_corners(rows, maxima, {border, border + row - 1}, threshold, corners);
   }
   return corners;
 }

@@ -1,8 +1,8 @@
-#include "kinloop/features/kernels/orientation.hpp"
-
 #include <array>
 #include <cmath>
 #include <cstdlib>
+
+#include "kinloop/features/kernels/corner_scores.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/orientation.cpp"

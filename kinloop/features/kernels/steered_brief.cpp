@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "kinloop/features/kernels/brief_pattern.hpp"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kinloop/features/kernels/steered_brief.cpp"
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
@@ -20,10 +18,11 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Memory offsets from the corner to the points (x, y) rotated by an angle and rounded to whole pixels.
-void rotate_points(const float* x, const float* y, float cosine, float sine, int stride, int32_t* steps) {
+void rotate_points(const float* x, const float* y, const ImageRotation& rotation, int stride,
+                   int32_t* steps) {
   const CappedLanes<float, 16> d;
   const hn::Rebind<int32_t, decltype(d)> ints;
-  const auto c = hn::Set(d, cosine), s = hn::Set(d, sine);
+  const auto c = hn::Set(d, rotation.cosine), s = hn::Set(d, rotation.sine);
   // Adding 1.5 * 2^23 leaves the nearest integer in the low bits of the float on every instruction set.
   const auto shift = hn::Set(d, 12582912.0F);
   const auto round = [&](auto value) HWY_ATTR {
@@ -52,12 +51,12 @@ HWY_EXPORT(rotate_points);
 void describe_corner(const cv::Mat& blurred, int x, int y, float angle_deg, uint8_t* descriptor) {
   const BriefPattern& pattern = brief_pattern();
   const float angle_rad = angle_deg * static_cast<float>(std::numbers::pi / 180);
-  const float cosine = std::cos(angle_rad), sine = std::sin(angle_rad);
+  const ImageRotation rotation{std::cos(angle_rad), std::sin(angle_rad)};
   const auto stride = static_cast<int>(blurred.step);
   std::array<int32_t, kBriefTests> first, second;
   const auto turn = HWY_DYNAMIC_DISPATCH(rotate_points);
-  turn(pattern.first_x.data(), pattern.first_y.data(), cosine, sine, stride, first.data());
-  turn(pattern.second_x.data(), pattern.second_y.data(), cosine, sine, stride, second.data());
+  turn(pattern.first_x.data(), pattern.first_y.data(), rotation, stride, first.data());
+  turn(pattern.second_x.data(), pattern.second_y.data(), rotation, stride, second.data());
   const uint8_t* corner = blurred.ptr<uint8_t>(y) + x;
   for (size_t byte = 0; byte < kBriefTests / 8; ++byte) {
     unsigned bits = 0;

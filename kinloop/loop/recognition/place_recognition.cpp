@@ -73,8 +73,8 @@ std::vector<KeyframeId> views_around(const Map& map, uint32_t component, const E
 
 /// Whether the frame itself contradicts the pose that was found for it.
 bool contradicts_pose(const TrackedFrame& found, const TrackingInput& in, const Map& map) {
-  LocationEvidence evidence = compare_with_views(map, map.keyframe(found.reference).component, end_of(map),
-                                                 *in.frame.features, found.world(map), in.sensor);
+  const LocatedView located{map.keyframe(found.reference).component, found.world(map), *in.frame.features};
+  LocationEvidence evidence = compare_with_views(map, end_of(map), located, in.sensor);
   evidence.scale = measure_scale(in, found.T_reference_camera);
   LocationCheck check;
   check.add(evidence, false);
@@ -197,8 +197,9 @@ bool PlaceRecognition::looks_like(const Keyframe& keyframe, const Keyframe& othe
 LocationEvidence PlaceRecognition::examine(const TrackedFrame& tracked, const Map& map,
                                            KeyframeId end) const {
   const auto& [sensor, options] = context_;
-  LocationEvidence evidence = compare_with_views(map, map.keyframe(tracked.reference).component, end,
-                                                 tracked.features(), tracked.world(map), sensor);
+  const LocatedView located{map.keyframe(tracked.reference).component, tracked.world(map),
+                            tracked.features()};
+  LocationEvidence evidence = compare_with_views(map, end, located, sensor);
   // Landmarks that this visit has made have the scale of its own depth.
   if (tracked.reference < end) {
     const LocalMap local_map = make_local_map(map, tracked.reference, options.local_map);

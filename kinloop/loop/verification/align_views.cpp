@@ -34,11 +34,17 @@ ExpectedPoints expected_points(const Features& features, const PredictedView& pr
   return expected;
 }
 
+/// Two views, and the keypoints of `view` that were found in `reference`.
+struct MatchedViews {
+  const View &reference, &view;
+  const ExpectedPoints& expected;
+  const std::vector<Match>& matches;
+};
+
 /// The scale of matched keypoints in two views whose relative pose is known: a match is dropped if its points
 /// are farther apart than the things of one room from those of its double, or if one may have moved.
-RelativeScale scale_of(const std::vector<Match>& matches, const ExpectedPoints& expected,
-                       const View& reference, const View& view, const SE3& T_reference_camera,
-                       const Sensor& sensor) {
+RelativeScale scale_of(const MatchedViews& matched, const SE3& T_reference_camera, const Sensor& sensor) {
+  const auto& [reference, view, expected, matches] = matched;
   constexpr double kMaxDisplacement_m = 0.3;
   std::vector<ScalePair> pairs;
   for (const Match& match : matches) {
@@ -74,7 +80,7 @@ std::optional<AlignedViews> align_views(const View& reference, const View& view,
   const SE3 T_reference_camera = solution->T_reference_camera.inverse();
   if (!is_explained_by_drift(predicted, T_reference_camera)) return std::nullopt;
   return AlignedViews{T_reference_camera,
-                      scale_of(matches, expected, reference, view, T_reference_camera, sensor)};
+                      scale_of({reference, view, expected, matches}, T_reference_camera, sensor)};
 }
 
 }  // namespace kinloop

@@ -23,9 +23,9 @@ double second_smallest(std::vector<double> values) {
 
 }  // namespace
 
-LocationEvidence compare_with_views(const Map& map, uint32_t component, KeyframeId end,
-                                    const Features& features, const SE3& T_world_camera,
+LocationEvidence compare_with_views(const Map& map, KeyframeId end, const LocatedView& located,
                                     const Sensor& sensor) {
+  const auto& [component, T_world_camera, features] = located;
   std::vector<std::pair<double, KeyframeId>> views;
   for (const Keyframe& keyframe : map.keyframes()) {
     if (!(keyframe.id < end)) break;

@@ -20,10 +20,16 @@ struct LocationEvidence {
   double appearance_p_value = 1;
 };
 
-/// Compares the keypoints of a frame at `T_world_camera` with the nearest views of a component, of its
-/// keyframes before `end`. Views more than 1 m or .7 rad away say nothing. The scale is left unknown.
-LocationEvidence compare_with_views(const Map& map, uint32_t component, KeyframeId end,
-                                    const Features& features, const SE3& T_world_camera,
+/// A frame and where it is thought to be.
+struct LocatedView {
+  uint32_t component = 0;
+  SE3 T_world_camera;
+  const Features& features;
+};
+
+/// Compares the keypoints of a frame with the nearest views of its component, of the keyframes before `end`.
+/// Views more than 1 m or .7 rad away say nothing. The scale is left unknown.
+LocationEvidence compare_with_views(const Map& map, KeyframeId end, const LocatedView& located,
                                     const Sensor& sensor);
 
 /// Sums the evidence of successive frames.

@@ -73,11 +73,10 @@ RelativeScale measure_scale(const TrackingInput& in, const SE3& T_reference_came
   const Features& features = *frame.features;
   std::vector<ProjectedPoint> projected;
   std::vector<uint32_t> landmark_of;
+  const LandmarkProjector project{local_map, features, sensor.camera, T_reference_camera, kScaleWindow_px};
   for (uint32_t i = 0; i < local_map.size(); ++i) {
     const bool measured = local_map.has_depth.empty() || local_map.has_depth[i];
-    const auto expected = measured ? project_landmark(local_map, i, features, T_reference_camera,
-                                                      kScaleWindow_px, sensor.camera)
-                                   : std::nullopt;
+    const auto expected = measured ? project(i) : std::nullopt;
     if (!expected) continue;
     projected.push_back(*expected);
     landmark_of.push_back(i);

@@ -157,12 +157,14 @@ void cost(const ObservationBlock& block, const BundleView& view, const Sensor& s
             [&](const Observed& o, size_t first) HWY_ATTR { hn::StoreU(cost_of(o), D(), &result[first]); });
 }
 
-void linearize(const ObservationBlock& block, const BundleView& view, const Sensor& sensor,
-               const LinearColumns& layout, double* columns, Lanes& result) {
+Lanes linearize(const ObservationBlock& block, const BundleView& view, const Sensor& sensor,
+                const LinearColumns& layout, double* columns) {
+  Lanes result;
   for_lanes(block, view, sensor, [&](const Observed& o, size_t first) HWY_ATTR {
     ColumnWriter(o, layout, columns + first).write();
     hn::StoreU(cost_of(o), D(), &result[first]);
   });
+  return result;
 }
 
 }  // namespace
@@ -194,9 +196,7 @@ ObservationBlock::Lanes block_cost(const ObservationBlock& block, const BundleVi
 
 ObservationBlock::Lanes linearize_block(const ObservationBlock& block, const BundleView& view,
                                         const Sensor& sensor, const LinearColumns& layout, double* columns) {
-  ObservationBlock::Lanes result;
-  HWY_DYNAMIC_DISPATCH(linearize)(block, view, sensor, layout, columns, result);
-  return result;
+  return HWY_DYNAMIC_DISPATCH(linearize)(block, view, sensor, layout, columns);
 }
 
 }  // namespace kinloop

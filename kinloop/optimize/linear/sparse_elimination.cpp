@@ -1,5 +1,3 @@
-#include "kinloop/optimize/linear/sparse_elimination.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -9,6 +7,7 @@
 #include <cholmod.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/optimize/linear/sparse_cholesky.hpp"
 
 namespace kinloop {
 namespace {

@@ -76,13 +76,21 @@ class Aligner {
       ++sum.points;
       if (!(q.z() > kMinDepth_m)) continue;
       const Eigen::Vector2d pixel = camera_.project(q);
-      if (photometric_) add_gray(i, p, q, pixel, R, exposure, sum);
-      add_depth(i, p, q, pixel, R, sum);
+      const MovedPoint point{i, p, q, pixel};
+      if (photometric_) add_gray(point, R, exposure, sum);
+      add_depth(point, R, sum);
     }
     return sum;
   }
 
  private:
+  /// A point of the frame, where the pose moves it, and the pixel of the reference where it is seen.
+  struct MovedPoint {
+    size_t i;
+    const Eigen::Vector3d &p, &q;
+    const Eigen::Vector2d& pixel;
+  };
+
   static constexpr double kMinDepth_m = 1e-3;
   static constexpr double kMaxDistance_m = 0.15;  // from a point to its correspondence
   static constexpr double kMaxNormalAngleRad = 0.7;
@@ -90,8 +98,8 @@ class Aligner {
   static constexpr double kIntensitySigma = 6;  // intensity levels, of 255
 
   /// Point-to-plane distance (Chen and Medioni 1992) with projective association.
-  void add_depth(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
-                 const Eigen::Matrix3d& R, Pass& sum) const {
+  void add_depth(const MovedPoint& point, const Eigen::Matrix3d& R, Pass& sum) const {
+    const auto& [i, p, q, pixel] = point;
     if (!(pixel.x() > -0.5 && pixel.y() > -0.5)) return;
     // The first cell starts half a pixel before its centre.
     const Eigen::Vector2d from_corner = pixel.array() + 0.5;
@@ -122,8 +130,8 @@ class Aligner {
 
   /// Photometric residual (Steinbruecker et al. 2011, Kerl et al. 2013): constant brightness except for
   /// exposure.
-  void add_gray(size_t i, const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector2d& pixel,
-                const Eigen::Matrix3d& R, double exposure, Pass& sum) const {
+  void add_gray(const MovedPoint& point, const Eigen::Matrix3d& R, double exposure, Pass& sum) const {
+    const auto& [i, p, q, pixel] = point;
     const auto sample = sample_gray(reference_.gray, pixel.x(), pixel.y());
     if (!sample) return;
     const int row = static_cast<int>(i) / frame_.width, column = static_cast<int>(i) % frame_.width;

@@ -1,9 +1,8 @@
-#include "kinloop/optimize/pose/rolling_shutter_pose.hpp"
-
 #include <limits>
 
 #include "kinloop/geometry/robust_loss.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"
+#include "kinloop/optimize/pose/moving_pose.hpp"
 #include "kinloop/optimize/pose/pose_minimizer.hpp"
 
 namespace kinloop {

@@ -39,11 +39,19 @@ struct LinearProblem {
   LinearProblem(const BlockPattern& pattern, int columns)
       : H(pattern), right(Eigen::MatrixXd::Zero(kD * static_cast<Eigen::Index>(pattern.size), columns)) {}
 
-  /// Adds |x_b - A x_a - c|^2_W for edge `i`, where A is orthogonal. A fixed vertex has the value `held_a` or
-  /// `held_b`.
+  /// |x_b - A x_a - c|^2_W between blocks a and b, where A is orthogonal. A fixed vertex has the value
+  /// `held_a` or `held_b`.
   template <class Value>
-  void add(const PoseGraphLayout& layout, size_t i, uint32_t a, uint32_t b, const Square<Pose>& A,
-           const Square<Pose>& W, const Value& c, const Value& held_a, const Value& held_b) {
+  struct Term {
+    uint32_t a, b;
+    Square<Pose> A, W;
+    Value c, held_a, held_b;
+  };
+
+  /// Adds the term of edge `i`.
+  template <class Value>
+  void add(const PoseGraphLayout& layout, size_t i, const Term<Value>& term) {
+    const auto& [a, b, A, W, c, held_a, held_b] = term;
     const Square<Pose> WA = W * A;
     if (a != kNoBlock) {
       H.diagonal[a] += A.transpose() * WA;
@@ -87,10 +95,11 @@ bool solve_rotations(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout& l
     const auto& edge = graph.edges[i];
     const double weight = edge.information.template bottomRightCorner<kAngles, kAngles>().trace() / kAngles;
     const Square<Pose> W = weight * Square<Pose>::Identity();
-    problem.add(layout, i, block_of(layout, edge.a), layout.block_of_vertex[edge.b],
-                Square<Pose>(edge.T_a_b.R().transpose()), W, Square<Pose>(Square<Pose>::Zero()),
-                Square<Pose>(pose_of_a(T_world_vertex, edge).R().transpose()),
-                Square<Pose>(T_world_vertex[edge.b].R().transpose()));
+    problem.template add<Square<Pose>>(
+        layout, i,
+        {block_of(layout, edge.a), layout.block_of_vertex[edge.b], edge.T_a_b.R().transpose(), W,
+         Square<Pose>::Zero(), pose_of_a(T_world_vertex, edge).R().transpose(),
+         T_world_vertex[edge.b].R().transpose()});
   }
   const auto x = problem.solve(plan);
   if (!x) return false;
@@ -116,9 +125,10 @@ bool solve_translations(const BasicPoseGraph<Pose>& graph, const PoseGraphLayout
     const Square<Pose> S = (R_a * edge.T_a_b.R()).transpose();
     const Square<Pose> W = S.transpose() * edge.information.template topLeftCorner<kD, kD>() * S;
     using Vector = Eigen::Matrix<double, kD, 1>;
-    problem.add(layout, i, block_of(layout, edge.a), layout.block_of_vertex[edge.b],
-                Square<Pose>(Square<Pose>::Identity()), W, Vector(R_a * edge.T_a_b.translation),
-                T_world_a.translation, T_world_vertex[edge.b].translation);
+    problem.template add<Vector>(
+        layout, i,
+        {block_of(layout, edge.a), layout.block_of_vertex[edge.b], Square<Pose>::Identity(), W,
+         R_a * edge.T_a_b.translation, T_world_a.translation, T_world_vertex[edge.b].translation});
   }
   const auto x = problem.solve(plan);
   if (!x) return false;

@@ -9,6 +9,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -146,5 +148,14 @@ std::vector<Pose> spanning_tree_poses(const BasicPoseGraph<Pose>& graph);
 /// Returns the number of connected components of the graph.
 template <class Pose>
 size_t count_connected_components(const BasicPoseGraph<Pose>& graph);
+
+// Marginal covariances of the poses of a solved pose graph.
+
+/// Returns the marginal covariance of each vertex's tangent vector d in T_world_vertex * (d_translation;
+/// exp(d_rotation)), i.e. in the vertex's own frame, given exact fixed vertices (zero for these). nullopt if
+/// the measurements do not determine all poses.
+template <class Pose>
+std::optional<std::vector<typename BasicPoseGraph<Pose>::Matrix>> marginal_covariances(
+    const BasicPoseGraph<Pose>& graph, std::span<const uint32_t> vertices);
 
 }  // namespace kinloop

@@ -1,6 +1,5 @@
-#include "kinloop/optimize/pose_graph/pose_graph_covariance.hpp"
-
 #include "kinloop/core/errors.hpp"
+#include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/optimize/pose_graph/solvers/pose_graph_structure.hpp"
 #include "kinloop/optimize/pose_graph/solvers/pose_graph_system.hpp"
 

@@ -27,8 +27,8 @@ constexpr float kOutside = -1e-3F;
 constexpr double kMaxStretch = 8;
 
 /// Twice the signed area of the triangle.
-float edge(float ax, float ay, float bx, float by, float px, float py) {
-  return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
+float edge(const cv::Point2f& a, const cv::Point2f& b, const cv::Point2f& p) {
+  return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
 }
 
 /// The ray of a raw pixel at z = 1; NaN for a pixel outside the lens's field of view, whose depth has no
@@ -72,7 +72,8 @@ DepthRegistration::Vertex DepthRegistration::vertex(const Eigen::Vector2f& ray, 
 }
 
 void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, const Vertex& c) const {
-  const float area = edge(a.x, a.y, b.x, b.y, c.x, c.y);
+  const cv::Point2f at_a(a.x, a.y), at_b(b.x, b.y), at_c(c.x, c.y);
+  const float area = edge(at_a, at_b, at_c);
   const auto [least_x, most_x] = std::minmax({a.x, b.x, c.x});
   const auto [least_y, most_y] = std::minmax({a.y, b.y, c.y});
   if (area == 0 || std::max(most_x - least_x, most_y - least_y) > longest_side_px_) return;
@@ -83,9 +84,9 @@ void DepthRegistration::draw(cv::Mat& image, const Vertex& a, const Vertex& b, c
   for (int y = top; y <= bottom; ++y) {
     auto* row = image.ptr<float>(y);
     for (int x = left; x <= right; ++x) {
-      const auto px = static_cast<float>(x), py = static_cast<float>(y);
-      const float share_a = edge(b.x, b.y, c.x, c.y, px, py) / area;
-      const float share_b = edge(c.x, c.y, a.x, a.y, px, py) / area;
+      const cv::Point2f p(static_cast<float>(x), static_cast<float>(y));
+      const float share_a = edge(at_b, at_c, p) / area;
+      const float share_b = edge(at_c, at_a, p) / area;
       const float share_c = 1 - share_a - share_b;
       if (share_a < kOutside || share_b < kOutside || share_c < kOutside) continue;
       // The inverse depth of a plane is linear in the image.

@@ -1,10 +1,10 @@
-#include "kinloop/tracking/direct/align_images.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
+
+#include "kinloop/tracking/direct/alignment.hpp"
 
 namespace kinloop {
 namespace {
@@ -101,12 +101,17 @@ void add_point(AlignmentEquations& sum, const Neighborhood& n, const PointTexels
   ++sum.points;
 }
 
-/// Normal equations at T_predicted_camera and the intensity offset of the current image.
+/// What is estimated: the pose, and the intensity offset of the current image.
+struct AlignmentState {
+  SE3 T_predicted_camera;
+  double offset = 0;
+};
+
+/// Normal equations at this state.
 AlignmentEquations linearize_points(const std::vector<Neighborhood>& all, const cv::Mat& image,
-                                    const PinholeCamera& camera, int octave, const SE3& T_predicted_camera,
-                                    double offset) {
+                                    const PinholeCamera& camera, int octave, const AlignmentState& state) {
   constexpr double kMargin = kHalfPoint + 1;
-  const SE3 T_camera_predicted = T_predicted_camera.inverse();
+  const SE3 T_camera_predicted = state.T_predicted_camera.inverse();
   AlignmentEquations sum;
   PointTexels values;
   for (const Neighborhood& n : all) {
@@ -116,7 +121,7 @@ AlignmentEquations linearize_points(const std::vector<Neighborhood>& all, const 
     const Eigen::Vector2d at = to_octave(n.point->current + shift, octave);
     if (!holds(image, at, kMargin)) continue;
     sample_4x4(image, at.cast<float>(), values);
-    values.array() -= static_cast<float>(offset);
+    values.array() -= static_cast<float>(state.offset);
     add_point(sum, n, values - n.intensity);
   }
   sum.H.bottomLeftCorner<1, 6>() = sum.H.topRightCorner<6, 1>().transpose();
@@ -138,7 +143,7 @@ SE3 align_images(const ImageOctaves& previous, const ImageOctaves& current,
     double offset = 0;
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
       const AlignmentEquations sum =
-          linearize_points(all, current[level], camera, octave, T_predicted_camera, offset);
+          linearize_points(all, current[level], camera, octave, {T_predicted_camera, offset});
       if (sum.points < kMinPoints) break;
       const Eigen::Matrix<double, kParameters, 1> step = -sum.H.ldlt().solve(sum.g);
       if (!step.allFinite()) break;

@@ -1,9 +1,9 @@
-#include "kinloop/tracking/direct/align_patch.hpp"
-
 #include <algorithm>
 #include <array>
 
 #include <Eigen/LU>
+
+#include "kinloop/tracking/direct/alignment.hpp"
 
 namespace kinloop {
 namespace {

@@ -7,7 +7,7 @@
 #include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
 #include "kinloop/sensor/surfaces/mask.hpp"
-#include "kinloop/tracking/direct/align_images.hpp"
+#include "kinloop/tracking/direct/alignment.hpp"
 #include "kinloop/tracking/evidence/confirmed_first.hpp"
 #include "kinloop/tracking/motion/motion_compensation.hpp"
 

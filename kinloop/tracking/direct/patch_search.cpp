@@ -5,7 +5,7 @@
 
 #include <Eigen/LU>
 
-#include "kinloop/tracking/direct/align_patch.hpp"
+#include "kinloop/tracking/direct/alignment.hpp"
 
 namespace kinloop {
 namespace {

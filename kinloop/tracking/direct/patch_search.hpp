@@ -2,8 +2,10 @@
 // Finds landmarks of the local map in an image by the patches of the keyframes that observe them.
 
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "kinloop/map/frames/tracked_frame.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/sensor/sensor.hpp"
 
@@ -55,5 +57,13 @@ class PatchPredictor {
 /// looks like it.
 std::optional<FoundPatch> find_patch(const ImageOctaves& octaves, const ExpectedPatch& expected,
                                      const LocalMap& map, float max_shift_px);
+
+// In: the keypoints of a frame that match landmarks. Out: their positions to a fraction of a pixel.
+
+/// Moves the keypoints of `frame` to where the patches of their landmarks are found, so that every keyframe
+/// observes the same point of a surface: corners are detected with an error of about a pixel of their level.
+/// A keypoint whose patch is missing, or not found nearby, stays. Not motion-compensated afterwards.
+Features refine_keypoints(const Frame& frame, std::span<const LandmarkMatch> matches,
+                          const SE3& T_reference_camera, const PatchSearch& search);
 
 }  // namespace kinloop

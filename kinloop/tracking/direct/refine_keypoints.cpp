@@ -1,4 +1,4 @@
-#include "kinloop/tracking/direct/refine_keypoints.hpp"
+#include "kinloop/tracking/direct/patch_search.hpp"
 
 namespace kinloop {
 

@@ -1,5 +1,3 @@
-#include "kinloop/tracking/evidence/moving_keypoints.hpp"
-
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -9,6 +7,7 @@
 
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/sensor/surfaces/surface_mask.hpp"
+#include "kinloop/tracking/evidence/moved_points.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,6 +1,6 @@
-#include "kinloop/optimize/pose_graph/solvers/newton_solver.hpp"
-
 #include <algorithm>
+
+#include "kinloop/optimize/pose_graph/solvers/pose_graph_minimizer.hpp"
 
 namespace kinloop {
 namespace {
