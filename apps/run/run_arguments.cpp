@@ -3,8 +3,7 @@
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
-#include "session/source/shifted_depth_source.hpp"
-#include "session/source/thinned_source.hpp"
+#include "session/source/source_filters.hpp"
 
 namespace kinloop {
 

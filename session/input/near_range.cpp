@@ -1,7 +1,6 @@
 #include "session/input/near_range.hpp"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "kinloop/core/quantile.hpp"
@@ -21,29 +20,6 @@ bool suggests_another_scale(double median_m, double depth_scale) {
 }
 
 }  // namespace
-
-PeekedSource::PeekedSource(std::unique_ptr<FrameSource> source, size_t frames)
-    : ForwardingSource(std::move(source)) {
-  try {
-    while (frames_.size() < frames) {
-      auto frame = this->source().next();
-      if (!frame) break;
-      frames_.push_back(*std::move(frame));
-    }
-  } catch (...) {
-    error_ = std::current_exception();
-  }
-}
-
-std::optional<Frame> PeekedSource::next() {
-  if (!frames_.empty()) {
-    Frame frame = std::move(frames_.front());
-    frames_.pop_front();
-    return frame;
-  }
-  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-  return source().next();
-}
 
 std::optional<double> near_minimum_m(const std::deque<Frame>& frames, const DepthLimits& limits,
                                      double depth_scale) {

@@ -13,8 +13,8 @@
 #include "session/input/guess_camera.hpp"
 #include "session/input/near_range.hpp"
 #include "session/plan/work_budget.hpp"
-#include "session/source/masked_source.hpp"
 #include "session/source/open_frame_source.hpp"
+#include "session/source/source_filters.hpp"
 #include "session/store/map_store.hpp"
 
 namespace kinloop {

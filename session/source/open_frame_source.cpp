@@ -21,9 +21,7 @@
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/options.hpp"
-#include "session/source/named_sensor_source.hpp"
-#include "session/source/shifted_depth_source.hpp"
-#include "session/source/thinned_source.hpp"
+#include "session/source/source_filters.hpp"
 
 namespace kinloop {
 

@@ -1,10 +1,10 @@
-#include "session/source/channel.hpp"
-
 #include <atomic>
 #include <memory>
 #include <thread>
 
 #include <gtest/gtest.h>
+
+#include "session/source/frame_pipeline.hpp"
 
 namespace kinloop {
 namespace {

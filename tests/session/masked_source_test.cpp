@@ -1,10 +1,9 @@
-#include "session/source/masked_source.hpp"
-
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
 #include "drivers/image_files/image_file.hpp"
 #include "session/plan/run_plan.hpp"
+#include "session/source/source_filters.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

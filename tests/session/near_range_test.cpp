@@ -7,6 +7,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "session/plan/run_plan.hpp"
+#include "session/source/source_filters.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 

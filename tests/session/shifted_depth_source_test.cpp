@@ -1,11 +1,10 @@
-#include "session/source/shifted_depth_source.hpp"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/time.hpp"
+#include "session/source/source_filters.hpp"
 
 namespace kinloop {
 namespace {

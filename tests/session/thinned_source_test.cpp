@@ -1,11 +1,10 @@
-#include "session/source/thinned_source.hpp"
-
 #include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "kinloop/sensor/source/passable_source.hpp"
+#include "session/source/source_filters.hpp"
 
 namespace kinloop {
 namespace {
