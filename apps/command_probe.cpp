@@ -209,18 +209,19 @@ void print_probed(const Probed& probed) {
 
 /// The camera with which a run would map the recording; no image is decoded of a folder.
 RgbdCamera camera_of(const SourceRequest& request) {
-  if (is_recording(request.sequence)) return open_frame_source(request)->camera();
+  if (source_kind(request.sequence) == SourceKind::kRecording) return open_frame_source(request)->camera();
   return read_folder(request).camera;
 }
 
 void probe(const ProbeArguments& arguments) {
-  if (is_camera_or_stream(arguments.sequence))
+  const SourceKind kind = source_kind(arguments.sequence);
+  if (kind == SourceKind::kLive)
     throw UsageError("probe: a live camera cannot be probed; record it with kinloop record");
   SourceRequest request;
   request.sequence = arguments.sequence;
   set_camera(request, arguments.camera);
   if (arguments.print_camera) return print_text(camera_file_text(camera_of(request)));
-  print_probed(is_recording(arguments.sequence) ? probe_source(request) : probe_layout(request));
+  print_probed(kind == SourceKind::kRecording ? probe_source(request) : probe_layout(request));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ namespace {
 /// Throws UsageError if arguments contradict each other.
 void check_arguments(const RunArguments& arguments) {
   const RunRequest& request = arguments.request;
-  if (request.sequence.empty())
+  if (request.source.sequence.empty())
     throw UsageError(
         "kinloop run: SEQUENCE is missing, for example: kinloop run sim:room -o out; see kinloop run "
         "--help");
@@ -170,7 +170,7 @@ void add_run_command(CLI::App& app, ExitCode& exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Map a sequence: trajectory, coloured map, report");
   add_run_arguments(*command, *arguments);
-  arguments->request.stop = interrupted;
+  arguments->request.source.stop = interrupted;
   command->callback([arguments, &exit_code] {
     if (!arguments->list_options.empty()) return print_options(arguments->list_options);
     check_arguments(*arguments);

@@ -43,18 +43,18 @@ void add_input_arguments(CLI::App& command, RunRequest& request) {
   CLI::Option* camera = command.get_option("--camera");
   camera->description(camera->get_description() +
                       ".\nguess: the focal length that the images of a folder fit, if nobody knows it");
-  command.add_option("--topics", request.topics,
+  command.add_option("--topics", request.source.topics,
                      "topics of a bag: COLOR,DEPTH[,CAMERA_INFO] (default: those of known drivers)");
   command
-      .add_option("--depth-offset", request.depth_offset_s,
+      .add_option("--depth-offset", request.source.depth_offset_s,
                   "seconds to add to the stamps of depth before images are paired, if the two cameras have\n"
                   "different clocks; a run warns of that and names the offset")
       ->option_text("SECONDS")
       ->check(number(-ShiftedDepthSource::kMaxOffset_s, ShiftedDepthSource::kMaxOffset_s));
-  command.add_option("--every", request.every, "use only every n-th frame, beginning with the first")
+  command.add_option("--every", request.source.every, "use only every n-th frame, beginning with the first")
       ->option_text("N")
       ->check(whole_number(1, ThinnedSource::kMaxStep));
-  command.add_option("--mask", request.mask,
+  command.add_option("--mask", request.source.mask,
                      "image of the size of the colour images, black where they are to be ignored, such as\n"
                      "the robot that carries the camera; a run writes what it finds itself as mask.png.\n"
                      "For masks of single frames see docs/recordings.md");
@@ -84,7 +84,7 @@ void add_speed_arguments(CLI::App& command, RunRequest& request) {
 
 void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   command.add_option(
-      "SEQUENCE", arguments.request.sequence,
+      "SEQUENCE", arguments.request.source.sequence,
       "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
       "docs/recordings.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
       "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"

@@ -54,7 +54,7 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
       session_(session),
       depth_(plan.options.dense, plan.source->camera().depth_scale),
       saver_(saver_of(arguments, folder_,
-                      {session.slam(), session.recorder(), plan.options, arguments.request.sequence})),
+                      {session.slam(), session.recorder(), plan.options, arguments.request.source.sequence})),
       outcome_{plan, session.slam()} {
   if (saver_ && !arguments.save_map.empty()) map_lock_.emplace(saver_->path());  // the folder is locked
   if (!trajectory_copy_.empty()) require_writable_file(trajectory_copy_);

@@ -45,7 +45,7 @@ Run::Run(const RgbdCamera& camera, const RunSettings& settings)
     throw UsageError("localize=True requires load_map=FILE");
   RunSetup setup = set_up_run(settings);
   threads_ = setup.threads;
-  options_ = with_sensor_range(setup.options, camera.sensor, settings.assignments);
+  options_ = suited_to({"", false, camera.sensor, {}}, setup.options, settings.assignments);
   auto& start = setup.start;
   if (start) camera_ = start->adapt(camera_);
   slam_.emplace(camera_, options_.slam, open_vocabulary(settings.vocabulary, options_.slam.features));

@@ -1,31 +1,25 @@
 #include "session/plan/run_plan.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
-#include "session/input/guess_camera.hpp"
-#include "session/input/near_range.hpp"
-#include "session/plan/work_budget.hpp"
-#include "session/source/open_frame_source.hpp"
 #include "session/source/source_filters.hpp"
-#include "session/store/map_store.hpp"
 
 namespace kinloop {
 namespace {
 
-std::optional<ContinuedMap> open_continued_map(const std::filesystem::path& file_or_folder) {
-  if (file_or_folder.empty()) return std::nullopt;
-  const auto path = map_file_of(file_or_folder);
-  MapReader reader(path);
-  SavedMap saved = read_map_with_warnings(reader, path);
-  return ContinuedMap{path, std::move(reader), std::move(saved)};
+/// What the user says of the recording.
+SourceRequest resolve_recording(const RunRequest& request) {
+  SourceRequest recording = request.source;
+  CameraOptions camera = request.camera;
+  recording.guess_camera = camera.camera == "guess";
+  if (recording.guess_camera) camera.camera.clear();
+  set_camera(recording, camera);
+  return recording;
 }
 
 void require_available(PoseGraphSolver solver) {
@@ -34,16 +28,8 @@ void require_available(PoseGraphSolver solver) {
       "solver {}: not available in this build; use builtin or ceres, or omit --solver", name_of(solver)));
 }
 
-RunOptions within_budget(const RunOptions& options, double percent) {
-  const WorkLevel& level = work_level(percent);
-  if (level.percent > percent)
-    log::warn("--budget {}: the least work takes about {} % of a core at 30 Hz", percent, level.percent);
-  return run_options_with(options, level.assignments);
-}
-
 RunOptions options_of(const RunSettings& settings, const std::optional<ContinuedMap>& start, int threads) {
-  RunOptions options;
-  if (start) options = restore_options(start->saved, start->path, "features.");
+  RunOptions options = start ? start->options() : RunOptions();
   const FeatureKind features = options.slam.features.kind;
   options.slam.global_ba.threads = threads;
   options.slam.localize_only = settings.localize;
@@ -59,63 +45,30 @@ RunOptions options_of(const RunSettings& settings, const std::optional<Continued
   return options;
 }
 
-SourceRequest source_request(const RunRequest& request, const RunSetup& setup) {
-  SourceRequest source;
-  source.sequence = request.sequence;
-  CameraOptions camera = request.camera;
-  const bool is_guess = camera.camera == "guess";
-  if (is_guess) camera.camera.clear();
-  set_camera(source, camera);
-  if (is_guess) {
-    if (is_camera_or_stream(request.sequence) || is_recording(request.sequence))
-      throw UsageError(
-          "--camera guess: for folders of images; give the camera of other sources with --camera FILE");
-    source.camera = guess_camera_aloud(request.sequence, source.depth_scale);
+/// The frames of a run, and what they are.
+struct OpenedSource {
+  std::unique_ptr<FrameSource> frames;
+  const PacedSource* paced = nullptr;  ///< part of `frames`, if they are paced
+  InputTraits traits;
+};
+
+OpenedSource open_source(const SourceRequest& recording, double pace_hz) {
+  // A sender may wait for the pose of each frame before it sends the next one.
+  constexpr size_t kFirstFrames = 10;
+  const size_t ahead = source_kind(recording.sequence) == SourceKind::kLive ? 0 : kFirstFrames;
+  auto peeked = std::make_unique<PeekedSource>(open_frame_source(recording), ahead);
+  const std::deque<Frame>& first_frames = peeked->first_frames();  // stays, whatever is put around it
+  OpenedSource source{std::move(peeked), nullptr, {}};
+  if (pace_hz > 0) {
+    auto paced = std::make_unique<PacedSource>(std::move(source.frames), pace_hz);
+    source.paced = paced.get();
+    source.frames = std::move(paced);
   }
-  if (!request.topics.empty()) source.topics = request.topics;
-  source.depth_offset_s = request.depth_offset_s;
-  source.every = request.every;
-  source.simulation = setup.options.sim;
-  source.kinect = setup.options.kinect;
-  source.threads = setup.threads;
-  source.stop = request.stop;
+  source.traits = traits_of(*source.frames, first_frames);
   return source;
 }
 
-/// Options for the frames of `source`: of live ones, results are applied when ready, unless the user chose
-/// otherwise.
-RunOptions options_for(const FrameSource& source, RunOptions options, const RunSettings& settings) {
-  if (source.info().live && !assigns(settings.assignments, "executor.mode"))
-    options.slam.executor.mode = ExecutorMode::kLive;
-  return with_sensor_range(std::move(options), source.camera().sensor, settings.assignments);
-}
-
-/// Options with a smaller minimum than usual where most depth of `first_frames` is nearer, unless the user
-/// chose one or named the sensor.
-RunOptions with_near_minimum(RunOptions options, const FrameSource& source,
-                             const std::deque<Frame>& first_frames, const RunSettings& settings) {
-  const RgbdCamera& camera = source.camera();
-  if (camera.sensor.origin == SensorOrigin::kCameraFile || assigns(settings.assignments, "dense.min_depth_m"))
-    return options;
-  const double usual_m = options.dense.limits.min_depth_m;
-  const auto near_m = near_minimum_m(first_frames, options.dense.limits, camera.depth_scale);
-  if (!near_m) return options;
-  log::info("{}: most depth is nearer than {} m: mapped from {:.2f} m on (else --set dense.min_depth_m={})",
-            source.info().name, usual_m, *near_m, usual_m);
-  return with_minimum_depth(std::move(options), *near_m);
-}
-
 }  // namespace
-
-RgbdCamera ContinuedMap::adapt(RgbdCamera camera) const {
-  require_same_camera(saved, path, camera);
-  camera.depth_scale = saved.camera.depth_scale;
-  return camera;
-}
-
-void ContinuedMap::restore_images(uint32_t shift, DenseRecorder& recorder) const {
-  load_images(reader, path, shift, recorder);
-}
 
 RunSetup set_up_run(const RunSettings& settings) {
   RunSetup setup;
@@ -126,32 +79,21 @@ RunSetup set_up_run(const RunSettings& settings) {
 }
 
 RunPlan plan_run(const RunRequest& request) {
-  RunSetup setup = set_up_run(request.settings);
-  auto source = open_frame_source(source_request(request, setup));
-  if (!request.mask.empty()) {
-    const PinholeCamera& color = source->camera().color;
-    cv::Mat mask = read_mask(request.mask, {color.width, color.height});
-    source = std::make_unique<MaskedSource>(std::move(source), std::move(mask));
-  }
-  // A sender may wait for the pose of each frame before it sends the next one.
-  constexpr size_t kFirstFrames = 10;
-  const size_t ahead = is_camera_or_stream(request.sequence) ? 0 : kFirstFrames;
-  auto peeked = std::make_unique<PeekedSource>(std::move(source), ahead);
-  const std::deque<Frame>& first_frames = peeked->first_frames();  // stays, whatever is put around it
-  source = std::move(peeked);
-  const PacedSource* paced = nullptr;
-  if (request.pace_hz > 0) {
-    auto owner = std::make_unique<PacedSource>(std::move(source), request.pace_hz);
-    paced = owner.get();
-    source = std::move(owner);
-  }
-  setup.options = options_for(*source, std::move(setup.options), request.settings);
-  setup.options = with_near_minimum(std::move(setup.options), *source, first_frames, request.settings);
-  RgbdCamera camera = setup.start ? setup.start->adapt(source->camera()) : source->camera();
-  auto memory = request.remember ? sensor_memory_of(source->info()) : std::nullopt;
+  const RunSettings& settings = request.settings;
+  SourceRequest recording = resolve_recording(request);
+  RunSetup setup = set_up_run(settings);
+  recording.simulation = setup.options.sim;
+  recording.kinect = setup.options.kinect;
+  recording.threads = setup.threads;
+  OpenedSource source = open_source(recording, request.pace_hz);
+  setup.options = suited_to(source.traits, std::move(setup.options), settings.assignments);
+  RgbdCamera camera = source.frames->camera();
+  if (setup.start) camera = setup.start->adapt(camera);
+  auto memory = request.remember ? sensor_memory_of(source.frames->info()) : std::nullopt;
   if (memory) camera = memory->recall(camera);
-  Vocabulary vocabulary = open_vocabulary(request.settings.vocabulary, setup.options.slam.features);
-  return {std::move(setup), std::move(source), camera, std::move(memory), std::move(vocabulary), paced};
+  Vocabulary vocabulary = open_vocabulary(settings.vocabulary, setup.options.slam.features);
+  return {std::move(setup),  std::move(source.frames), camera,
+          std::move(memory), std::move(vocabulary),    source.paced};
 }
 
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {

@@ -9,14 +9,11 @@
 #include <vector>
 
 #include "drivers/live/paced_source.hpp"
-#include "kinloop/io/map_file/map_file.hpp"
 #include "kinloop/place/vocabulary/vocabulary.hpp"
-#include "kinloop/sensor/camera/rgbd_camera.hpp"
-#include "kinloop/sensor/source/frame_source.hpp"
 #include "session/plan/run_options.hpp"
 #include "session/plan/sensor_memory.hpp"
 #include "session/source/open_frame_source.hpp"
-#include "session/store/dense_recorder.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 
@@ -33,19 +30,6 @@ struct RunSettings {
   std::vector<std::string> assignments;  ///< key=value
 };
 
-/// A map file to continue.
-struct ContinuedMap {
-  std::filesystem::path path;
-  MapReader reader;
-  SavedMap saved;
-
-  /// Returns `camera` in the depth unit of the map's images. Throws InputError unless it is the map's.
-  [[nodiscard]] RgbdCamera adapt(RgbdCamera camera) const;
-
-  /// Restores the images in `recorder`; `shift` is added to the ids of their frames.
-  void restore_images(uint32_t shift, DenseRecorder& recorder) const;
-};
-
 /// What does not depend on the source.
 struct RunSetup {
   int threads = 1;
@@ -53,8 +37,8 @@ struct RunSetup {
   RunOptions options;
 };
 
-/// Opens the map to continue, whose features the frames must use, and applies the settings to the options.
-/// Throws UsageError or InputError with the remedy.
+/// Opens the map to continue, whose features the frames must use, and applies the settings to the options,
+/// which are not suited to the input yet. Throws UsageError or InputError with the remedy.
 RunSetup set_up_run(const RunSettings& settings);
 
 /// Returns the vocabulary in `file`, or the built-in one if that is empty. Throws UsageError if it does not
@@ -63,15 +47,10 @@ Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& featur
 
 /// A source, and how a run works on it.
 struct RunRequest {
-  std::string sequence;  ///< see SourceRequest, also for `topics`; empty by default
+  SourceRequest source;  ///< but for what `camera` and `settings` say of it
   CameraOptions camera;
-  std::string topics;
-  double depth_offset_s = 0;   ///< see SourceRequest
-  int every = 1;               ///< see SourceRequest
-  std::filesystem::path mask;  ///< image of the pixels to ignore, see read_mask; empty: none
-  double pace_hz = 0;          ///< replays at this rate; 0: as fast as possible
-  bool remember = true;        ///< what runs estimate of a live camera, see SensorMemory
-  StopRequest stop = {};       ///< ends a source whose sender or device is silent
+  double pace_hz = 0;    ///< replays at this rate; 0: as fast as possible
+  bool remember = true;  ///< what runs estimate of a live camera, see SensorMemory
   RunSettings settings;
 };
 
@@ -87,8 +66,8 @@ struct RunPlan : RunSetup {
   [[nodiscard]] size_t dropped() const { return paced != nullptr ? paced->dropped() : 0; }
 };
 
-/// Opens the source, and adapts the options to its kind and its depth sensor. Throws UsageError or InputError
-/// with the remedy.
+/// Resolves what the user says of the recording, then the options, opens the source and suits the options to
+/// it. Throws UsageError or InputError with the remedy.
 RunPlan plan_run(const RunRequest& request);
 
 }  // namespace kinloop

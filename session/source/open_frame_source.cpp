@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,18 +22,23 @@
 #include "drivers/stream/stream_source.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/options.hpp"
+#include "session/input/guess_camera.hpp"
 #include "session/source/source_filters.hpp"
 
 namespace kinloop {
-
 namespace {
 
+using Source = std::unique_ptr<FrameSource>;
 using OptionalCamera = std::optional<RgbdCamera>;
+
+OptionalCamera camera_given(const SourceRequest& request) {
+  return request.camera ? OptionalCamera(given_camera(*request.camera)) : std::nullopt;
+}
 
 /// A live camera, by name.
 struct LiveCamera {
   std::string_view name;
-  std::unique_ptr<FrameSource> (*open)(const KinectOptions& options, const OptionalCamera& calibration);
+  Source (*open)(const KinectOptions& options, const OptionalCamera& calibration);
 };
 
 constexpr LiveCamera kLiveCameras[] = {{"kinect1", open_kinect1}, {"kinect2", open_kinect2},
@@ -45,42 +51,21 @@ const LiveCamera* live_camera(const std::string& sequence) {
   return found != std::end(kLiveCameras) ? found : nullptr;
 }
 
-/// A recording in one file, or in a folder of such files.
-struct RecordingFormat {
-  bool (*accepts)(const std::filesystem::path& path);  ///< by its name
-  std::unique_ptr<FrameSource> (*open)(const SourceRequest& request, const OptionalCamera& camera);
-};
-
-constexpr RecordingFormat kRecordingFormats[] = {
-    {[](const std::filesystem::path& path) { return path.string().ends_with(".mkv"); },
-     [](const SourceRequest& r, const OptionalCamera& camera) {
-       return open_azure_recording(r.sequence, camera);
-     }},
-    {[](const std::filesystem::path& path) { return path.string().ends_with(".oni"); },
-     [](const SourceRequest& r, const OptionalCamera& camera) {
-       return open_oni_recording(r.sequence, camera);
-     }},
-    {is_bag, [](const SourceRequest& r, const OptionalCamera& camera) {
-       const bool has_unit = !r.camera || states_depth_scale(*r.camera);
-       return open_bag({r.sequence, camera, has_unit, r.depth_scale, r.topics});
-     }}};
-
-DepthSensorModel parse_sensor(const std::string& name) {
-  if (const auto model = value_named<DepthSensorModel>(name)) return *model;
-  throw UsageError(fmt::format("'{}' is no depth sensor; see docs/cameras.md", name));
+bool is_live_camera(const std::string& sequence) {
+  return live_camera(sequence) != nullptr;
 }
 
-const RecordingFormat* recording_format(const std::string& sequence) {
-  const auto* found = std::find_if(std::begin(kRecordingFormats), std::end(kRecordingFormats),
-                                   [&](const RecordingFormat& format) { return format.accepts(sequence); });
-  return found != std::end(kRecordingFormats) ? found : nullptr;
+Source open_live_camera(const SourceRequest& request) {
+  KinectOptions options = request.kinect;
+  options.stop = request.stop;
+  return live_camera(request.sequence)->open(options, camera_given(request));
 }
 
 bool is_simulation(const std::string& sequence) {
   return sequence.starts_with("sim:");
 }
 
-std::unique_ptr<FrameSource> open_simulation(const SourceRequest& request) {
+Source open_simulation(const SourceRequest& request) {
   if (request.camera || request.depth_scale)
     throw UsageError(
         "--camera, --intrinsics and --depth-scale cannot be used with a simulated sequence, "
@@ -88,17 +73,76 @@ std::unique_ptr<FrameSource> open_simulation(const SourceRequest& request) {
   return make_simulated_source(request.sequence, request.simulation, request.threads);
 }
 
-KinectOptions live_options(const SourceRequest& request) {
-  KinectOptions options = request.kinect;
-  options.stop = request.stop;
-  return options;
+void require_file(const std::string& path) {
+  if (!std::filesystem::exists(path)) throw InputError(fmt::format("{}: no such file; check the path", path));
 }
 
-std::unique_ptr<FrameSource> open_recording(const RecordingFormat& format, const SourceRequest& request,
-                                            const OptionalCamera& camera) {
-  if (!std::filesystem::exists(request.sequence))
-    throw InputError(fmt::format("{}: no such file; check the path", request.sequence));
-  return format.open(request, camera);
+template <auto open>
+Source open_file(const SourceRequest& request) {
+  const OptionalCamera camera = camera_given(request);
+  require_file(request.sequence);
+  return open(request.sequence, camera);
+}
+
+Source open_bag_recording(const SourceRequest& request) {
+  const OptionalCamera camera = camera_given(request);
+  require_file(request.sequence);
+  const bool has_unit = !request.camera || states_depth_scale(*request.camera);
+  return open_bag({request.sequence, camera, has_unit, request.depth_scale, request.topics});
+}
+
+Source open_program(const SourceRequest& request) {
+  return open_stream(request.sequence, camera_given(request), request.stop);
+}
+
+Source open_folder(const SourceRequest& request) {
+  auto camera = request.camera;
+  if (request.guess_camera) camera = guess_camera_aloud(request.sequence, request.depth_scale);
+  return open_sequence(request.sequence, camera, request.depth_scale);
+}
+
+/// Sources that are told by their name and opened in the same way.
+struct SourceFamily {
+  SourceKind kind;
+  bool states_depth_unit;  ///< always: --depth-scale has no use
+  bool (*accepts)(const std::string& sequence);
+  Source (*open)(const SourceRequest& request);
+};
+
+/// The first that accepts the name.
+constexpr SourceFamily kFamilies[] = {
+    {SourceKind::kRecording, false, is_simulation, open_simulation},
+    {SourceKind::kLive, true, is_live_camera, open_live_camera},
+    {SourceKind::kLive, true, is_stream, open_program},
+    {SourceKind::kRecording, true, [](const std::string& name) { return name.ends_with(".mkv"); },
+     open_file<open_azure_recording>},
+    {SourceKind::kRecording, true, [](const std::string& name) { return name.ends_with(".oni"); },
+     open_file<open_oni_recording>},
+    {SourceKind::kRecording, false, [](const std::string& name) { return is_bag(name); }, open_bag_recording},
+    {SourceKind::kFolder, false, [](const std::string&) { return true; }, open_folder},
+};
+
+const SourceFamily& family_of(const std::string& sequence) {
+  return *std::find_if(std::begin(kFamilies), std::end(kFamilies),
+                       [&](const SourceFamily& family) { return family.accepts(sequence); });
+}
+
+/// The source as it is.
+Source open_as_recorded(const SourceRequest& request) {
+  const SourceFamily& family = family_of(request.sequence);
+  if (request.guess_camera && family.kind != SourceKind::kFolder)
+    throw UsageError(
+        "--camera guess: for folders of images; give the camera of other sources with --camera FILE");
+  if (request.depth_scale && family.states_depth_unit)
+    throw UsageError(
+        fmt::format("--depth-scale is for folders of images and bags; {} states the unit of its depth",
+                    request.sequence));
+  return family.open(request);
+}
+
+DepthSensorModel parse_sensor(const std::string& name) {
+  if (const auto model = value_named<DepthSensorModel>(name)) return *model;
+  throw UsageError(fmt::format("'{}' is no depth sensor; see docs/cameras.md", name));
 }
 
 }  // namespace
@@ -110,40 +154,17 @@ void set_camera(SourceRequest& request, const CameraOptions& options) {
   if (!options.sensor.empty()) request.sensor = parse_sensor(options.sensor);
 }
 
-bool is_camera_or_stream(const std::string& sequence) {
-  return live_camera(sequence) != nullptr || is_stream(sequence);
+SourceKind source_kind(const std::string& sequence) {
+  return family_of(sequence).kind;
 }
 
-bool is_recording(const std::string& sequence) {
-  return is_simulation(sequence) || recording_format(sequence) != nullptr;
-}
-
-namespace {
-
-/// The source as it is.
-std::unique_ptr<FrameSource> open_as_recorded(const SourceRequest& request) {
-  const std::string& sequence = request.sequence;
-  if (is_simulation(sequence)) return open_simulation(request);
-  if (!is_camera_or_stream(sequence) && !is_recording(sequence))
-    return open_sequence(sequence, request.camera, request.depth_scale);
-  if (request.depth_scale && !is_bag(sequence))
-    throw UsageError(fmt::format(
-        "--depth-scale is for folders of images and bags; {} states the unit of its depth", sequence));
-  OptionalCamera camera;
-  if (request.camera) camera = given_camera(*request.camera);
-  if (const auto* live = live_camera(sequence)) return live->open(live_options(request), camera);
-  if (is_stream(sequence)) return open_stream(sequence, camera, request.stop);
-  return open_recording(*recording_format(sequence), request, camera);
-}
-
-}  // namespace
-
-std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request) {
+Source open_frame_source(const SourceRequest& request) {
   auto source = open_as_recorded(request);
   if (request.depth_offset_s != 0)
     source = std::make_unique<ShiftedDepthSource>(std::move(source), request.depth_offset_s);
   if (request.every != 1) source = std::make_unique<ThinnedSource>(std::move(source), request.every);
   if (request.sensor) source = std::make_unique<NamedSensorSource>(std::move(source), *request.sensor);
+  if (!request.mask.empty()) source = std::make_unique<MaskedSource>(std::move(source), request.mask);
   return source;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // In: the name of a source as the user gives it, and how it is opened. Out: its frames.
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,11 +26,13 @@ struct CameraOptions {
 struct SourceRequest {
   std::string sequence;  ///< a folder, a recording in one file, sim:room, a camera or a stream
   std::optional<CameraArgument> camera;
-  std::optional<double> depth_scale;       ///< units of the depth images per metre, of a folder or bag
+  bool guess_camera = false;          ///< instead of `camera`: by maps of the first frames, see guess_camera
+  std::optional<double> depth_scale;  ///< units of the depth images per metre, of a folder or bag
   std::optional<DepthSensorModel> sensor;  ///< instead of that of the camera file or the recording
   std::optional<std::string> topics;       ///< of a bag, "COLOR,DEPTH[,CAMERA_INFO]"
-  double depth_offset_s = 0;  ///< added to the stamps of depth, by which images are then paired anew
-  int every = 1;              ///< use only every n-th frame
+  double depth_offset_s = 0;   ///< added to the stamps of depth, by which images are then paired anew
+  int every = 1;               ///< use only every n-th frame
+  std::filesystem::path mask;  ///< image of the pixels to ignore, see MaskedSource; empty: none
   SimulationOptions simulation;
   KinectOptions kinect;
   int threads = 1;
@@ -39,13 +42,17 @@ struct SourceRequest {
 /// Sets what `options` says. Throws UsageError for intrinsics that are none and sensors that are not known.
 void set_camera(SourceRequest& request, const CameraOptions& options);
 
-/// Returns whether the source is a camera or another program, which give each frame once.
-bool is_camera_or_stream(const std::string& sequence);
+/// What a source is.
+enum class SourceKind {
+  kFolder,     ///< images in any layout
+  kRecording,  ///< the simulation, or messages or video in one file
+  kLive,       ///< a camera or another program, which give each frame once
+};
 
-/// Returns whether the source is the simulation or a recording of messages or video, by its name: not a
-/// layout of images in folders.
-bool is_recording(const std::string& sequence);
+/// Returns what the source is, by its name.
+SourceKind source_kind(const std::string& sequence);
 
 /// Opens the source. Throws UsageError or InputError with the remedy.
 std::unique_ptr<FrameSource> open_frame_source(const SourceRequest& request);
+
 }  // namespace kinloop

@@ -23,6 +23,20 @@ size_t waiting_images(double offset_s) {
   return kOthers + static_cast<size_t>(std::abs(offset_s) * kMaxRate_hz);
 }
 
+/// Throws InputError naming the file and the remedy.
+cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size) {
+  const ColorImage image = read_color_image(path);
+  if (image.size() != size)
+    throw InputError(fmt::format("{}: {} x {} pixels where the colour images have {} x {}", path.string(),
+                                 image.size().width, image.size().height, size.width, size.height));
+  cv::Mat mask = image.gray() >= 128;  // a JPEG has no pure black
+  if (cv::countNonZero(mask) == 0)
+    throw InputError(
+        fmt::format("{}: all pixels are black, which means to be ignored; what is to be used must be white",
+                    path.string()));
+  return mask;
+}
+
 }  // namespace
 
 ShiftedDepthSource::ShiftedDepthSource(std::unique_ptr<FrameSource> source, double offset_s)
@@ -83,24 +97,10 @@ bool ThinnedSource::pass_over() {
   return passable != nullptr ? passable->pass_over() : source().next().has_value();
 }
 
-cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size) {
-  const ColorImage image = read_color_image(path);
-  if (image.size() != size)
-    throw InputError(fmt::format("{}: {} x {} pixels where the colour images have {} x {}", path.string(),
-                                 image.size().width, image.size().height, size.width, size.height));
-  cv::Mat mask = image.gray() >= 128;  // a JPEG has no pure black
-  if (cv::countNonZero(mask) == 0)
-    throw InputError(
-        fmt::format("{}: all pixels are black, which means to be ignored; what is to be used must be white",
-                    path.string()));
-  return mask;
-}
-
-MaskedSource::MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask)
-    : ForwardingSource(std::move(source)), mask_(std::move(mask)) {
+MaskedSource::MaskedSource(std::unique_ptr<FrameSource> source, const std::filesystem::path& mask)
+    : ForwardingSource(std::move(source)) {
   const PinholeCamera& color = this->source().camera().color;
-  require(mask_.type() == CV_8UC1 && mask_.size() == cv::Size(color.width, color.height),
-          "MaskedSource: the mask must be 8UC1, of the camera's size");
+  mask_ = read_mask(mask, {color.width, color.height});
 }
 
 std::optional<Frame> MaskedSource::next() {

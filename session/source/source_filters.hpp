@@ -74,14 +74,12 @@ class NamedSensorSource : public ForwardingSource {
   RgbdCamera camera_;
 };
 
-/// Reads a mask for images of this size: an 8-bit PNG or JPEG, black (0) where pixels are to be ignored.
-/// Throws InputError naming the file and the remedy.
-cv::Mat read_mask(const std::filesystem::path& path, const cv::Size& size);
-
+/// Ignores the same pixels in each frame, such as those of the robot that carries the camera.
 class MaskedSource : public ForwardingSource {
  public:
-  /// `mask` is 8UC1 of the size of the source's camera.
-  MaskedSource(std::unique_ptr<FrameSource> source, cv::Mat mask);
+  /// The mask is an 8-bit PNG or JPEG of the size of the camera, black (0) where pixels are to be ignored.
+  /// Throws InputError naming the file and the remedy.
+  MaskedSource(std::unique_ptr<FrameSource> source, const std::filesystem::path& mask);
 
   std::optional<Frame> next() override;
 

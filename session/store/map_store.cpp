@@ -141,6 +141,24 @@ void require_same_camera(const SavedMap& saved, const std::filesystem::path& pat
       path.string(), lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy));
 }
 
+std::optional<ContinuedMap> open_continued_map(const std::filesystem::path& file_or_folder) {
+  if (file_or_folder.empty()) return std::nullopt;
+  const auto path = map_file_of(file_or_folder);
+  MapReader reader(path);
+  SavedMap saved = read_map_with_warnings(reader, path);
+  return ContinuedMap{path, std::move(reader), std::move(saved)};
+}
+
+RgbdCamera ContinuedMap::adapt(RgbdCamera camera) const {
+  require_same_camera(saved, path, camera);
+  camera.depth_scale = saved.camera.depth_scale;
+  return camera;
+}
+
+void ContinuedMap::restore_images(uint32_t shift, DenseRecorder& recorder) const {
+  load_images(reader, path, shift, recorder);
+}
+
 FileFrame file_frame(const std::string& name, const UpEstimate& up, std::span<const PosedImage> views) {
   if (name == "camera") return {};
   return z_up_frame(up.direction, views.empty() ? SE3() : views.front().T_world_camera);

@@ -69,6 +69,25 @@ RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& p
 /// Throws InputError unless `camera` is the camera of the map in `path`.
 void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera);
 
+/// A map file to continue.
+struct ContinuedMap {
+  std::filesystem::path path;
+  MapReader reader;
+  SavedMap saved;
+
+  /// Returns the default options but for the features, which are those of the map.
+  [[nodiscard]] RunOptions options() const { return restore_options(saved, path, "features."); }
+
+  /// Returns `camera` in the depth unit of the map's images. Throws InputError unless it is the map's.
+  [[nodiscard]] RgbdCamera adapt(RgbdCamera camera) const;
+
+  /// Restores the images in `recorder`; `shift` is added to the ids of their frames.
+  void restore_images(uint32_t shift, DenseRecorder& recorder) const;
+};
+
+/// Opens a map file, or that of a run's folder, to continue it; nullopt for an empty path.
+std::optional<ContinuedMap> open_continued_map(const std::filesystem::path& file_or_folder);
+
 /// Throws UsageError naming `option` if the output would overwrite the input.
 void require_different_file(const char* option, const std::filesystem::path& output,
                             const std::filesystem::path& input);

@@ -38,7 +38,7 @@ std::string recording_of(const OpenMap& open, const RecordedImagesRequest& reque
     throw UsageError(
         fmt::format("{}: does not name its recording; give it with --recording", request.map.string()));
   const std::string& input = open.saved.sessions[open.session_index(request.session)].input;
-  if (is_camera_or_stream(input))
+  if (source_kind(input) == SourceKind::kLive)
     throw UsageError(
         fmt::format("{}: was made of {}, whose frames are gone; give a recording of them with "
                     "--recording, or use --set dense.frame_step=N in the run",

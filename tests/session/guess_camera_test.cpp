@@ -53,7 +53,7 @@ TEST(GuessedCamera, IsNotCertainWithoutMotion) {
 
 TEST(GuessedCamera, IsForFoldersOnly) {
   RunRequest request;
-  request.sequence = "sim:room";
+  request.source.sequence = "sim:room";
   request.camera.camera = "guess";
   EXPECT_THAT(test::usage_error([&] { plan_run(request); }), HasSubstr("--camera guess: for folders"));
 }

@@ -23,15 +23,20 @@ class MaskFile : public testing::Test {
     return folder_.path() / "mask.png";
   }
 
+  /// A run of two frames of 64 x 48 pixels with this mask.
+  static RunPlan plan_with(const std::filesystem::path& mask) {
+    RunRequest request;
+    request.source.sequence = "sim:room";
+    request.source.mask = mask;
+    request.settings.assignments = {"sim.frames=2", "sim.width=64", "sim.height=48"};
+    return plan_run(request);
+  }
+
   test::TempFolder folder_;
 };
 
 TEST_F(MaskFile, ReachesEveryFrame) {
-  RunRequest request;
-  request.sequence = "sim:room";
-  request.settings.assignments = {"sim.frames=2", "sim.width=64", "sim.height=48"};
-  request.mask = write({64, 48});
-  const RunPlan plan = plan_run(request);
+  const RunPlan plan = plan_with(write({64, 48}));
   int frames = 0;
   for (; const auto frame = plan.source->next(); ++frames) EXPECT_EQ(cv::countNonZero(frame->mask), 32 * 48);
   EXPECT_EQ(frames, 2);
@@ -39,27 +44,19 @@ TEST_F(MaskFile, ReachesEveryFrame) {
 
 TEST_F(MaskFile, OfAnotherSizeIsAnErrorThatNamesBothSizes) {
   const auto path = write({32, 24});
-  EXPECT_THAT(test::input_error([&] {
-                read_mask(path, {64, 48});
-              }),
+  EXPECT_THAT(test::input_error([&] { plan_with(path); }),
               AllOf(HasSubstr("mask.png"), HasSubstr("32 x 24"), HasSubstr("64 x 48")));
 }
 
 TEST_F(MaskFile, ThatIgnoresEverythingIsAnError) {
   const auto path = folder_.path() / "black.png";
   write_png(path, cv::Mat::zeros(48, 64, CV_8UC1));
-  EXPECT_THAT(test::input_error([&] {
-                read_mask(path, {64, 48});
-              }),
-              AllOf(HasSubstr("black.png"), HasSubstr("white")));
+  EXPECT_THAT(test::input_error([&] { plan_with(path); }), AllOf(HasSubstr("black.png"), HasSubstr("white")));
 }
 
 TEST_F(MaskFile, ThatIsNoImageIsAnError) {
   folder_.write("mask.png", "no image");
-  EXPECT_THAT(test::input_error([&] {
-                read_mask(folder_.path() / "mask.png", {64, 48});
-              }),
-              HasSubstr("mask.png"));
+  EXPECT_THAT(test::input_error([&] { plan_with(folder_.path() / "mask.png"); }), HasSubstr("mask.png"));
 }
 
 }  // namespace

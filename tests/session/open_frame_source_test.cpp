@@ -35,8 +35,7 @@ TEST(OpenFrameSource, LiveCamerasAreKnownByNameAlsoInABuildWithoutTheirLibrary) 
       {"openni2", openni2_available(), "libopenni2"},  {"realsense", realsense_available(), "librealsense2"},
       {"orbbec", orbbec_available(), "OrbbecSDK 2"},   {"oak", oak_available(), "depthai 3"}};
   for (const auto& camera : cameras) {
-    EXPECT_TRUE(is_camera_or_stream(camera.name));
-    EXPECT_FALSE(is_recording(camera.name));
+    EXPECT_EQ(source_kind(camera.name), SourceKind::kLive);
     if (camera.available) continue;
     EXPECT_THAT(test::usage_error([&] { open_named(camera.name); }),
                 AllOf(StartsWith(std::string(camera.name) + ": not supported by this build"),
@@ -45,13 +44,12 @@ TEST(OpenFrameSource, LiveCamerasAreKnownByNameAlsoInABuildWithoutTheirLibrary) 
 }
 
 TEST(OpenFrameSource, TellsSourcesApartByName) {
-  for (const char* stream : {"-", "unix:/tmp/frames"}) EXPECT_TRUE(is_camera_or_stream(stream)) << stream;
-  for (const char* name : {"kinect3", "Oak", "oak.mkv", "folder", "sim:room"})
-    EXPECT_FALSE(is_camera_or_stream(name)) << name;
-  for (const char* name : {"sim:room", "a.mkv", "b.oni", "c.bag", "d.mcap", "e.db3"})
-    EXPECT_TRUE(is_recording(name)) << name;
-  for (const char* name : {"mkv", "folder", "a.mkv.txt", "room.sens"})
-    EXPECT_FALSE(is_recording(name)) << name;
+  for (const char* name : {"-", "unix:/tmp/frames", "oak"})
+    EXPECT_EQ(source_kind(name), SourceKind::kLive) << name;
+  for (const char* name : {"sim:room", "a.mkv", "oak.mkv", "b.oni", "c.bag", "d.mcap", "e.db3"})
+    EXPECT_EQ(source_kind(name), SourceKind::kRecording) << name;
+  for (const char* name : {"kinect3", "Oak", "mkv", "folder", "a.mkv.txt", "room.sens"})
+    EXPECT_EQ(source_kind(name), SourceKind::kFolder) << name;
 }
 
 TEST(OpenFrameSource, ARecordingThatIsMissingIsNamed) {

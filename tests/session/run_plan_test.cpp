@@ -11,7 +11,7 @@ using testing::HasSubstr;
 
 RunRequest small_room(std::vector<std::string> assignments = {}) {
   RunRequest request;
-  request.sequence = "sim:room";
+  request.source.sequence = "sim:room";
   request.settings.threads = 1;
   request.settings.assignments = {"sim.frames=2", "sim.width=64", "sim.height=48"};
   request.settings.assignments.insert(request.settings.assignments.end(), assignments.begin(),
@@ -64,7 +64,7 @@ TEST(RunPlan, ResultsOfPacedFramesAreAppliedWhenReadyUnlessTheUserChoseOtherwise
 
 TEST(RunPlan, WrongSettingsAreRejectedBeforeTheSourceIsOpened) {
   RunRequest request = small_room({"features.count=1"});
-  request.sequence = "no such folder";
+  request.source.sequence = "no such folder";
   EXPECT_THAT(test::usage_error([&] { plan_run(request); }), HasSubstr("features.count"));
 }
 

@@ -1,5 +1,3 @@
-#include "session/plan/work_budget.hpp"
-
 #include <gtest/gtest.h>
 
 #include "session/plan/run_options.hpp"

@@ -1,4 +1,4 @@
-#include "session/input/near_range.hpp"
+#include "session/input/input_traits.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -20,6 +20,16 @@ bool suggests_another_scale(double median_m, double depth_scale) {
 }
 
 }  // namespace
+
+InputTraits traits_of(const FrameSource& source, const std::deque<Frame>& first_frames) {
+  const RgbdCamera& camera = source.camera();
+  InputTraits traits{source.info().name, source.info().live, camera.sensor, std::nullopt};
+  DepthLimits usual;
+  if (camera.sensor.origin != SensorOrigin::kAssumed) usual.min_depth_m = camera.sensor.min_depth_m;
+  if (camera.sensor.origin != SensorOrigin::kCameraFile)
+    traits.near_minimum_m = near_minimum_m(first_frames, usual, camera.depth_scale);
+  return traits;
+}
 
 std::optional<double> near_minimum_m(const std::deque<Frame>& frames, const DepthLimits& limits,
                                      double depth_scale) {

@@ -1,4 +1,4 @@
-#include "session/input/near_range.hpp"
+#include "session/input/input_traits.hpp"
 
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
@@ -91,7 +91,7 @@ class NearFolder : public testing::Test {
   [[nodiscard]] double minimum_m(std::vector<std::string> assignments = {}) const {
     write_camera_file(folder_.path() / "camera.yaml", camera_);
     RunRequest request;
-    request.sequence = folder_.path().string();
+    request.source.sequence = folder_.path().string();
     request.settings.assignments = std::move(assignments);
     return plan_run(request).options.mesh.limits.min_depth_m;
   }
