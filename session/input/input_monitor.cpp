@@ -7,8 +7,8 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "session/input/checks/checks.hpp"
 #include "session/input/focal_length.hpp"
-#include "session/input/path_scale.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "session/input/checks/clock_check.hpp"
-
 #include <deque>
 #include <random>
 #include <stdexcept>
@@ -8,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "kinloop/core/time.hpp"
+#include "session/input/checks/checks.hpp"
 #include "session/source/open_frame_source.hpp"
 #include "tests/support/shared_data.hpp"
 

@@ -1,5 +1,3 @@
-#include "session/input/checks/depth_values_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +7,7 @@
 
 #include "drivers/image_files/image_file.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
+#include "session/input/checks/checks.hpp"
 #include "tests/session/contradictory_frames.hpp"
 #include "tests/support/shared_data.hpp"
 

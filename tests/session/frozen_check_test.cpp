@@ -1,7 +1,7 @@
-#include "session/input/checks/frozen_check.hpp"
-
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
+
+#include "session/input/checks/checks.hpp"
 
 namespace kinloop {
 namespace {

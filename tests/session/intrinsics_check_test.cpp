@@ -1,6 +1,6 @@
-#include "session/input/checks/intrinsics_check.hpp"
-
 #include <gmock/gmock.h>
+
+#include "session/input/checks/checks.hpp"
 
 namespace kinloop {
 namespace {

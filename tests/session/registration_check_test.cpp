@@ -1,11 +1,10 @@
-#include "session/input/checks/registration_check.hpp"
-
 #include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
 
 #include "drivers/image_files/image_file.hpp"
+#include "session/input/checks/checks.hpp"
 #include "tests/session/contradictory_frames.hpp"
 #include "tests/support/shared_data.hpp"
 

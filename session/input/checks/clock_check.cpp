@@ -1,5 +1,3 @@
-#include "session/input/checks/clock_check.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
+#include "session/input/checks/checks.hpp"
 #include "session/input/measures/small_images.hpp"
 
 namespace kinloop {

@@ -1,5 +1,3 @@
-#include "session/input/checks/depth_values_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "session/input/checks/checks.hpp"
 #include "session/input/measures/usual_depth_scale.hpp"
 
 namespace kinloop {

@@ -1,11 +1,10 @@
-#include "session/input/checks/frozen_check.hpp"
-
 #include <algorithm>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "session/input/checks/checks.hpp"
 #include "session/input/measures/small_images.hpp"
 
 namespace kinloop {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "session/input/checks/intrinsics_check.hpp"
+#include "session/input/checks/checks.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,11 +6,8 @@
 
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "kinloop/sensor/frame.hpp"
-#include "session/input/checks/clock_check.hpp"
-#include "session/input/checks/depth_values_check.hpp"
-#include "session/input/checks/frozen_check.hpp"
+#include "session/input/checks/checks.hpp"
 #include "session/input/checks/input_warning.hpp"
-#include "session/input/checks/registration_check.hpp"
 
 namespace kinloop {
 

@@ -1,11 +1,11 @@
-#include "session/input/checks/intrinsics_check.hpp"
-
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include <fmt/format.h>
+
+#include "session/input/checks/checks.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,10 +1,10 @@
-#include "session/input/checks/registration_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
+
+#include "session/input/checks/checks.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "session/input/path_scale.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,6 +7,7 @@
 
 #include "kinloop/core/association.hpp"
 #include "kinloop/geometry/rigid_alignment.hpp"
+#include "session/input/checks/checks.hpp"
 #include "session/input/measures/usual_depth_scale.hpp"
 
 namespace kinloop {
