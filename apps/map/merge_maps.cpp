@@ -6,7 +6,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "session/plan/run_plan.hpp"
-#include "session/store/restore_surfaces.hpp"
+#include "session/store/map_store.hpp"
 
 namespace kinloop {
 

@@ -1,6 +1,7 @@
 #include "session/store/map_store.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <string_view>
 #include <unordered_map>
@@ -13,6 +14,7 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
+#include "kinloop/sensor/surfaces/surface_grid.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "session/process.hpp"
 
@@ -110,6 +112,19 @@ void load_images(const MapReader& reader, const std::filesystem::path& path, uin
     recorder.restore(images);
   });
   if (damage.any()) log::warn("{}: damaged; lost: {}", path.string(), describe(damage));
+}
+
+void restore_surfaces(SavedMap& saved, const MapReader& reader) {
+  const auto camera = make_surface_camera(make_sensor(saved.camera));
+  const ImageEncoding stored{.depth_scale = saved.camera.depth_scale};
+  std::unordered_map<FrameId, Keyframe*> keyframe_of;
+  for (Keyframe& keyframe : saved.map.keyframes) keyframe_of.emplace(keyframe.frame, &keyframe);
+  reader.read_images([&](const SavedImages& images) {
+    const auto keyframe = keyframe_of.find(images.frame);
+    if (keyframe == keyframe_of.end()) return;
+    const cv::Mat depth_m = decode_images(images.images, stored).depth_m;
+    keyframe->second->surfaces = std::make_shared<const SurfaceGrid>(make_surface_grid(camera, depth_m));
+  });
 }
 
 RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& path,

@@ -61,6 +61,11 @@ SavedMap read_map_with_warnings(const MapReader& reader, const std::filesystem::
 void load_images(const MapReader& reader, const std::filesystem::path& path, uint32_t shift,
                  DenseRecorder& recorder);
 
+/// Sets the surfaces of the keyframes whose images are in the file, so that joins of maps can be judged as
+/// those of visits in one run. They are those of the depth image, also of what moved: it was masked in the
+/// run, and the file does not tell where.
+void restore_surfaces(SavedMap& saved, const MapReader& reader);
+
 /// Returns the options that the map at `path` was made with, if their key begins with `prefix`; else the
 /// defaults. Throws InputError naming the file if it holds a value out of range.
 RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& path,

@@ -1,7 +1,6 @@
-#include "session/store/restore_surfaces.hpp"
-
 #include <gtest/gtest.h>
 
+#include "session/store/map_store.hpp"
 #include "tests/io/sample_map.hpp"
 #include "tests/support/temp_folder.hpp"
 
