@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "bench/up/planes.hpp"
-#include "dense/surfels/surface_normals.hpp"
+#include "dense/surfels/fuse_surfels.hpp"
 #include "dense/surfels/voxel_samples.hpp"
 #include "dense/up_direction.hpp"
 #include "drivers/datasets/tum_source.hpp"

@@ -1,7 +1,6 @@
-#include "dense/cloud/remnants.hpp"
-
 #include <cmath>
 
+#include "dense/cloud/space_carving.hpp"
 #include "dense/surfels/voxel_samples.hpp"
 
 namespace kinloop {

@@ -1,5 +1,3 @@
-#include "dense/files/glb_bytes.hpp"
-
 #include <array>
 #include <cmath>
 #include <tuple>
@@ -10,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dense/files/linear_color.hpp"
+#include "dense/files/mesh_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/text/json.hpp"

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 
 #include "dense/files/file_mesh.hpp"
-#include "dense/files/glb_bytes.hpp"
-#include "dense/files/usda_text.hpp"
-#include "dense/files/usdz_bytes.hpp"
+#include "dense/files/mesh_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/files/text_file.hpp"

@@ -1,11 +1,10 @@
-#include "dense/files/usda_text.hpp"
-
 #include <iterator>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "dense/files/linear_color.hpp"
+#include "dense/files/mesh_formats.hpp"
 
 namespace kinloop {
 namespace {

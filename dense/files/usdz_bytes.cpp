@@ -1,10 +1,9 @@
-#include "dense/files/usdz_bytes.hpp"
-
 #include <cstdint>
 #include <utility>
 
 #include <libdeflate.h>
 
+#include "dense/files/mesh_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_stream.hpp"
 

@@ -1,7 +1,6 @@
-#include "dense/live_mesh/extract_piece.hpp"
-
 #include <algorithm>
 
+#include "dense/live_mesh/tsdf_blocks.hpp"
 #include "dense/mesh/surface_nets.hpp"
 
 namespace kinloop {

@@ -1,8 +1,8 @@
-#include "dense/live_mesh/fuse_view.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "dense/live_mesh/tsdf_blocks.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,12 +5,27 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "dense/cloud/colored_cloud.hpp"
 #include "dense/image_store.hpp"
-#include "dense/live_mesh/view_gain.hpp"
 #include "dense/options.hpp"
 #include "dense/posed_image.hpp"
 
 namespace kinloop {
+
+/// Factors for red, green and blue.
+using ColorGain = Eigen::Array3f;
+
+/// The colour of one surface in a view and in the mesh.
+struct ColorPair {
+  Rgb view{}, mesh{};
+};
+
+/// Returns the factors that make up for the exposure and white balance of a view: they take its colours to
+/// those of the mesh, each the median over the pairs; nullopt if too few are well exposed. At most 3, at
+/// least 1/3: more is not the exposure. (dense/cloud/color_gains solves for all views together instead.)
+std::optional<ColorGain> view_gain(const std::vector<ColorPair>& pairs);
 
 /// The images of an ideal camera, and how it moved.
 struct FusionView {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include "dense/live_mesh/extract_piece.hpp"
+#include "dense/live_mesh/tsdf_blocks.hpp"
 #include "kinloop/core/ids.hpp"
 
 namespace kinloop {

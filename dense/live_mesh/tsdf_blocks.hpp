@@ -1,14 +1,19 @@
 #pragma once
 // A truncated signed distance field with colours, in sparse blocks of 8 x 8 x 8 voxels. Unlike TsdfVolume it
-// needs no library, takes 8 bytes per voxel, and tells which blocks have changed.
+// needs no library, takes 8 bytes per voxel, and tells which blocks have changed. Views are fused into
+// the blocks that exist, and their surface is extracted in pieces.
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "dense/cloud/colored_cloud.hpp"
+#include "dense/live_mesh/fusion_view.hpp"
+#include "dense/mesh/colored_mesh.hpp"
 #include "dense/surfels/voxel_samples.hpp"
 
 namespace kinloop {
@@ -96,5 +101,46 @@ class TsdfBlocks {
   std::vector<TsdfBlock> blocks_;  // in order of their addition
   std::unordered_map<VoxelKey, uint32_t, VoxelKeyHash> index_of_;
 };
+
+/// The scale of a signed distance field.
+struct TsdfScale {
+  double voxel_m = 0;
+  double truncation_m = 0;  ///< distances are cut off there
+};
+
+struct ChangedBlock {
+  uint32_t index = 0;
+  bool gained_surface = false;  ///< its first one
+};
+
+/// Fuses a view into the blocks that exist: surfaces, and free space where a block has surfaces. Returns the
+/// blocks that changed, in order.
+std::vector<ChangedBlock> fuse_view(TsdfBlocks& blocks, const FusionView& view, const DepthTiles& tiles,
+                                    const SE3& T_camera_blocks, const TsdfScale& scale);
+
+/// Edge length of a chunk as a power of two, in voxels: its vertices, at most one per voxel, can be counted
+/// with 16 bits.
+constexpr int kChunkBits = 5;
+
+/// Key of the first voxel of the chunk that contains a voxel.
+constexpr VoxelKey chunk_of(VoxelKey key) {
+  return aligned_key(key, kChunkBits);
+}
+
+/// A mesh in the frame of its blocks, with a unit normal towards the free side for each vertex.
+struct SurfacePiece {
+  ColoredMesh mesh;
+  std::vector<Eigen::Vector3f> normals;
+};
+
+/// Extracts the surface across the edges of a chunk's voxels, where voxels have at least `min_weight`, by
+/// surface nets. `present` are the indices of the blocks of the chunk.
+SurfacePiece extract_piece(const TsdfBlocks& blocks, VoxelKey chunk, std::span<const uint32_t> present,
+                           const TsdfScale& scale, double min_weight);
+
+/// Returns the piece without the triangles all of whose corners are left out, and without vertices that no
+/// triangle uses. `is_left_out(vertex)` is called once for each.
+SurfacePiece without_triangles(const SurfacePiece& piece,
+                               const std::function<bool(size_t vertex)>& is_left_out);
 
 }  // namespace kinloop

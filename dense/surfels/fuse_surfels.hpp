@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "dense/cloud/colored_cloud.hpp"
 #include "dense/options.hpp"
@@ -16,11 +17,16 @@ namespace kinloop {
 using SurfelLoader = std::function<ImageSurfels(size_t image)>;
 
 /// Returns one point per surface voxel that at least `options.min_observations` of `views` saw and that not
-/// more views contradict by a free-space violation, without remnants (see remnants.hpp); motion-compensated.
+/// more views contradict by a free-space violation, without remnants (see find_remnants); motion-compensated.
 /// The result does not depend on `options.fusion_memory_mib` (with less memory, space is processed in more
 /// slabs) nor on `threads`.
 ColoredCloud fuse_surfels(const SurfelLoader& load_surfels, std::span<const PosedImage> views,
                           const DenseCamera& camera, const DenseOptions& options, int threads,
                           const Progress& progress = {});
+
+/// Returns one unit normal, towards the cameras, per surface voxel of about 5 cm; edges, where normals
+/// disagree, are left out. Uses at most a few dozen views, evenly spread.
+std::vector<Eigen::Vector3f> surface_normals(const SurfelLoader& load_surfels,
+                                             std::span<const PosedImage> views, const DenseCamera& camera);
 
 }  // namespace kinloop

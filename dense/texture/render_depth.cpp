@@ -1,9 +1,9 @@
-#include "dense/texture/render_depth.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "dense/texture/view_candidates.hpp"
 
 namespace kinloop {
 namespace {

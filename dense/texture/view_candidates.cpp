@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dense/sharpness.hpp"
-#include "dense/texture/render_depth.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 

@@ -6,13 +6,20 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
 
 #include "dense/image_store.hpp"
 #include "dense/mesh/colored_mesh.hpp"
 #include "dense/posed_image.hpp"
 #include "kinloop/core/progress.hpp"
+#include "kinloop/geometry/camera.hpp"
+#include "kinloop/geometry/se3.hpp"
 
 namespace kinloop {
+
+/// Returns the depth z of the nearest surface at each undistorted pixel, 32FC1, metres; infinity where there
+/// is none.
+cv::Mat render_depth(const ColoredMesh& mesh, const SE3& T_camera_world, const PinholeCamera& camera);
 
 /// A view that sees a triangle as a whole.
 struct ViewCandidate {

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "dense/cloud/color_gains.hpp"
-#include "dense/surfels/surface_normals.hpp"
+#include "dense/surfels/fuse_surfels.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/tracking/front_end.hpp"
 

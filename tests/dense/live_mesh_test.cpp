@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dense/live_mesh/view_gain.hpp"
+#include "dense/live_mesh/fusion_view.hpp"
 #include "dense/undistorted_images.hpp"
 #include "tests/dense/plane_view.hpp"
 

@@ -1,9 +1,8 @@
-#include "dense/cloud/remnants.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "dense/cloud/space_carving.hpp"
 #include "kinloop/core/random.hpp"
 #include "tests/support/random_vectors.hpp"
 

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "dense/texture/atlas/pack_rectangles.hpp"
 #include "kinloop/core/disjoint_sets.hpp"
 #include "kinloop/core/errors.hpp"
 

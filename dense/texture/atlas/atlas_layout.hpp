@@ -2,6 +2,7 @@
 // In: the view of each triangle. Out: where in the texture atlas each triangle is.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,17 @@
 #include "dense/texture/choose_views.hpp"
 
 namespace kinloop {
+
+/// Places in a strip.
+struct PackedRectangles {
+  std::vector<cv::Point> corners;  ///< upper left, in the order of the sizes
+  int height = 0;                  ///< of the strip that they take
+};
+
+/// Packs rectangles into a strip of this width, which grows downwards: from the highest rectangle on, each
+/// goes where its lower side is uppermost ("skyline"; Jylanki, "A Thousand Ways to Pack the Bin", 2010).
+/// nullopt if one is wider than the strip.
+std::optional<PackedRectangles> pack_rectangles(std::span<const cv::Size> sizes, int width);
 
 /// Width of the border around each chart, which interpolation reaches, pixels.
 constexpr int kAtlasMarginPx = 2;

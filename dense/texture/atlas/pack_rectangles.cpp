@@ -1,7 +1,7 @@
-#include "dense/texture/atlas/pack_rectangles.hpp"
-
 #include <algorithm>
 #include <numeric>
+
+#include "dense/texture/atlas/atlas_layout.hpp"
 
 namespace kinloop {
 namespace {

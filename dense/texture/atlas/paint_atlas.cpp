@@ -8,7 +8,6 @@
 
 #include "dense/cloud/point_colors.hpp"
 #include "dense/texture/atlas/atlas_pixels.hpp"
-#include "dense/texture/atlas/fill_gaps.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop {
