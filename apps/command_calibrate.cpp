@@ -6,8 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/calibrate/calibration_report.hpp"
-#include "apps/calibrate/calibration_views.hpp"
+#include "apps/calibrate/calibrate_steps.hpp"
 #include "apps/shared/command_line/commands.hpp"
 #include "apps/shared/command_line/common_options.hpp"
 #include "apps/shared/terminal/standard_output.hpp"

@@ -5,9 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/map/components_of.hpp"
-#include "apps/map/map_diff.hpp"
-#include "apps/map/map_locate.hpp"
-#include "apps/map/map_withdraw.hpp"
+#include "apps/map/map_commands.hpp"
 #include "apps/map/merge_maps.hpp"
 #include "apps/shared/command_line/commands.hpp"
 #include "apps/shared/command_line/common_options.hpp"

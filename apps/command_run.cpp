@@ -10,6 +10,7 @@
 #include "apps/run/run_logger.hpp"
 #include "apps/run/run_output.hpp"
 #include "apps/run/run_viewer.hpp"
+#include "apps/run/summary/run_warnings.hpp"
 #include "apps/shared/command_line/commands.hpp"
 #include "apps/shared/terminal/failure.hpp"
 #include "apps/shared/terminal/interrupt.hpp"

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
 #include <system_error>
@@ -13,6 +14,8 @@
 
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
 
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/command_line/command_line.hpp"
@@ -20,10 +23,10 @@
 #include "apps/shared/command_line/version.hpp"
 #include "apps/shared/terminal/failure.hpp"
 #include "apps/shared/terminal/interrupt.hpp"
-#include "apps/shared/terminal/log_output.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/core/text/escaped.hpp"
 #include "session/process.hpp"
 
 namespace {
@@ -34,6 +37,27 @@ constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 internal error; 2 wrong use; 3 bad input, or results that could not be written;
 4 tracking lost and not regained; 5 kinloop batch found a difference; 129, 130, 143 ended by SIGHUP, Ctrl-C,
 SIGTERM (the results of a run are written); 141 the reader of standard output is gone. See docs/reliability.md.)";
+
+/// The text of a message.
+class MessageText : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override {
+    const std::string text = kinloop::escaped({message.payload.data(), message.payload.size()});
+    line.append(text.data(), text.data() + text.size());
+  }
+  [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<MessageText>();
+  }
+};
+
+/// Sends log messages to standard error, each on one line; results go to standard output.
+void set_up_log() {
+  auto logger = spdlog::stderr_color_st("kinloop");
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<MessageText>('*').set_pattern("%^%l:%$ %*");
+  logger->set_formatter(std::move(formatter));
+  spdlog::set_default_logger(logger);
+}
 
 ExitCode run(int argc, char** argv) {
   if (argc <= 1) {
@@ -151,7 +175,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away must not end a run before its results are written
   try {
     cv::setNumThreads(1);  // only parallel_for and the executor start threads
-    kinloop::set_up_log();
+    set_up_log();
     return static_cast<int>(run_and_report(argc, argv));
   } catch (const std::bad_alloc&) {  // before the log is set up, or while a failure is reported
     std::fputs("error: out of memory\n", stderr);

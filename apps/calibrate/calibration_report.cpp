@@ -1,9 +1,8 @@
-#include "apps/calibrate/calibration_report.hpp"
-
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "apps/calibrate/calibrate_steps.hpp"
 #include "kinloop/core/text/escaped.hpp"
 #include "viewer/report/html_page.hpp"
 #include "viewer/report/report_text.hpp"

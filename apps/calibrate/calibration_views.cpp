@@ -1,7 +1,6 @@
-#include "apps/calibrate/calibration_views.hpp"
-
 #include <fmt/format.h>
 
+#include "apps/calibrate/calibrate_steps.hpp"
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"

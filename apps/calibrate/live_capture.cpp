@@ -1,5 +1,3 @@
-#include "apps/calibrate/live_capture.hpp"
-
 #include <memory>
 #include <utility>
 #include <vector>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "apps/calibrate/calibrate_steps.hpp"
 #include "apps/run/run_viewer.hpp"
 #include "apps/shared/terminal/interrupt.hpp"
 #include "apps/shared/terminal/standard_output.hpp"

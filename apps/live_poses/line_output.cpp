@@ -1,5 +1,3 @@
-#include "apps/live_poses/line_output.hpp"
-
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -16,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "apps/live_poses/pose_sender.hpp"
 #include "drivers/stream/socket_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"

@@ -1,9 +1,8 @@
-#include "apps/map/map_diff.hpp"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/map/compare_maps.hpp"
+#include "apps/map/map_commands.hpp"
 #include "apps/shared/command_line/common_options.hpp"
 #include "apps/shared/terminal/interrupt.hpp"
 #include "apps/shared/terminal/progress_bar.hpp"

@@ -1,5 +1,3 @@
-#include "apps/map/map_locate.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -8,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/map/map_commands.hpp"
 #include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"

@@ -1,5 +1,3 @@
-#include "apps/map/map_withdraw.hpp"
-
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -7,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/map/map_commands.hpp"
 #include "apps/map/withdraw_from_file.hpp"
 #include "apps/shared/command_line/common_options.hpp"
 #include "apps/shared/terminal/progress_bar.hpp"

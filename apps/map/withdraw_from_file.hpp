@@ -2,12 +2,23 @@
 // In: a map file, and loops of it that are false. Out: a map file without them, solved again.
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "kinloop/core/progress.hpp"
+#include "kinloop/loop/options.hpp"
+#include "kinloop/map/saved_map.hpp"
+#include "kinloop/sensor/sensor.hpp"
 
 namespace kinloop {
+
+/// Takes loops out of the map: splits the landmarks and parts the components that only they joined, and
+/// solves the pose graph of what remains. A map file does not hold the odometry as it was before a loop bent
+/// it, so the relative pose of each edge is measured anew, from the depth of one keyframe and the keypoints
+/// of the other. `loops` must be loops of the map.
+void withdraw_loops(SavedMap& saved, std::span<const LoopEnds> loops, const Sensor& sensor,
+                    const PlaceOptions& options);
 
 struct WithdrawalRequest {
   std::filesystem::path map;       ///< a map file

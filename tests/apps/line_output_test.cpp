@@ -1,7 +1,5 @@
 // Lines for a reader that is slow, absent or gone.
 
-#include "apps/live_poses/line_output.hpp"
-
 #include <array>
 #include <csignal>
 #include <cstring>
@@ -15,6 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "apps/live_poses/pose_sender.hpp"
 #include "drivers/stream/socket_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/support/expect_error.hpp"

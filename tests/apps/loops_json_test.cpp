@@ -1,10 +1,10 @@
-#include "apps/run/summary/loops_json.hpp"
-
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "apps/run/summary/run_summary.hpp"
 
 namespace kinloop {
 namespace {

@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/map/withdraw_loops.hpp"
+#include "apps/map/withdraw_from_file.hpp"
 #include "dense/files/ply.hpp"
 #include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"

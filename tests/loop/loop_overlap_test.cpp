@@ -1,9 +1,8 @@
-#include "apps/run/summary/loop_overlap.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "apps/run/summary/loop_pictures.hpp"
 #include "tests/support/synthetic_map.hpp"
 
 namespace kinloop {

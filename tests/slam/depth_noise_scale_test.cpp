@@ -1,7 +1,6 @@
-#include "apps/run/summary/depth_noise_scale.hpp"
-
 #include <gtest/gtest.h>
 
+#include "apps/run/summary/run_summary.hpp"
 #include "kinloop/sensor/camera/camera_presets.hpp"
 #include "tests/optimize/bundle_world.hpp"
 

@@ -1,9 +1,8 @@
-#include "apps/run/summary/depth_noise_scale.hpp"
-
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "apps/run/summary/run_summary.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/optimize/kernels/observation_block.hpp"
 #include "kinloop/optimize/pose/camera_observations.hpp"

@@ -1,8 +1,8 @@
-#include "apps/run/summary/loop_overlap.hpp"
-
 #include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
+
+#include "apps/run/summary/loop_pictures.hpp"
 
 namespace kinloop {
 namespace {

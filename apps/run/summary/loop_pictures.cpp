@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/run/summary/loop_overlap.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/quantile.hpp"

@@ -1,7 +1,6 @@
-#include "apps/run/summary/loops_json.hpp"
-
 #include <cmath>
 
+#include "apps/run/summary/run_summary.hpp"
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/time.hpp"
 

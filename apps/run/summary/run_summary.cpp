@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "apps/run/summary/depth_noise_scale.hpp"
-#include "apps/run/summary/loops_json.hpp"
 #include "apps/shared/command_line/version.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/text/rounded_number.hpp"

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "kinloop/map/map.hpp"
 #include "kinloop/slam/slam.hpp"
 #include "session/input/checks/input_warning.hpp"
 #include "session/input/recording_advisor.hpp"
@@ -47,5 +48,21 @@ std::string summary_text(const nlohmann::json& summary);
 
 /// Returns the verdict, the last line: "quality: doubtful: 3.2 s of 33.3 s are in doubt (...)".
 std::string quality_text(const nlohmann::json& summary);
+
+/// Returns the robust standard deviation of the residuals of depth in units of the noise at keypoints,
+/// at the poses, points, velocities and sensor of `problem`: 1 if the model is right. Only
+/// observations whose pixel is an inlier count, whatever their depth. nullopt if they are too few.
+///
+/// It is the median of the absolute differences of two residuals of one point / (0.6745 sqrt(2)) (Shamos
+/// 1976, "Geometry and statistics: problems at the interface"). The residuals themselves are too small: a
+/// robust fit puts many points exactly at one of their depths. A point's error cancels in the differences.
+std::optional<double> depth_noise_scale(const BundleProblem& problem);
+
+/// Same for the keypoints of all keyframes of a run that has finished.
+std::optional<double> depth_noise_scale(const Slam& slam);
+
+/// Returns a list of objects: the stamps of both keyframes, inliers, the keyframes that agree (`support`),
+/// the relative scale (null if unknown), `status` and `reason`.
+nlohmann::json loops_json(const std::vector<LoopClosure>& loops, const Map& map);
 
 }  // namespace kinloop
