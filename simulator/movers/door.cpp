@@ -1,7 +1,7 @@
-#include "simulator/movers/door.hpp"
-
 #include <algorithm>
 #include <numbers>
+
+#include "simulator/movers/movers.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulator/movers/populate.hpp"
+#include "simulator/movers/movers.hpp"
 
 namespace kinloop::sim {
 namespace {

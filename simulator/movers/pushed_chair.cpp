@@ -1,10 +1,9 @@
-#include "simulator/movers/pushed_chair.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "kinloop/core/errors.hpp"
+#include "simulator/movers/movers.hpp"
 
 namespace kinloop::sim {
 namespace {

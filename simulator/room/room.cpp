@@ -10,7 +10,7 @@
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/random.hpp"
 #include "simulator/camera_path.hpp"
-#include "simulator/movers/populate.hpp"
+#include "simulator/movers/movers.hpp"
 #include "simulator/room/room_layout.hpp"
 
 namespace kinloop::sim {

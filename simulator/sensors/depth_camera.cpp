@@ -6,7 +6,7 @@
 
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/sensor/camera/camera_presets.hpp"
-#include "simulator/sensors/multipath.hpp"
+#include "simulator/sensors/depth_models.hpp"
 
 namespace kinloop::sim {
 

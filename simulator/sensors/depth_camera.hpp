@@ -7,9 +7,8 @@
 #include "kinloop/geometry/camera.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 #include "simulator/render/moment.hpp"
+#include "simulator/sensors/depth_models.hpp"
 #include "simulator/sensors/exact_depth.hpp"
-#include "simulator/sensors/stereo_model.hpp"
-#include "simulator/sensors/time_of_flight_model.hpp"
 
 namespace kinloop {
 

@@ -1,5 +1,3 @@
-#include "simulator/sensors/multipath.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "simulator/sensors/depth_models.hpp"
 
 namespace kinloop::sim {
 namespace {

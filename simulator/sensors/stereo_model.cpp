@@ -1,5 +1,3 @@
-#include "simulator/sensors/stereo_model.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -8,6 +6,7 @@
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "simulator/sensors/depth_models.hpp"
 #include "simulator/sensors/deviates.hpp"
 
 namespace kinloop {

@@ -1,11 +1,10 @@
-#include "simulator/sensors/time_of_flight_model.hpp"
-
 #include <cmath>
 #include <complex>
 #include <numbers>
 
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "simulator/sensors/depth_models.hpp"
 #include "simulator/sensors/deviates.hpp"
 
 namespace kinloop {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "simulator/sensors/stereo_model.hpp"
+#include "simulator/sensors/depth_models.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "simulator/sensors/multipath.hpp"
-#include "simulator/sensors/time_of_flight_model.hpp"
+#include "simulator/sensors/depth_models.hpp"
 
 namespace kinloop::sim {
 namespace {

@@ -1,8 +1,8 @@
-#include "simulator/movers/people/figure.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "simulator/movers/people/person.hpp"
 
 namespace kinloop::sim {
 namespace {

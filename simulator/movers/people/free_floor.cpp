@@ -1,9 +1,9 @@
-#include "simulator/movers/free_floor.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
+
+#include "simulator/movers/people/walk_plan.hpp"
 
 namespace kinloop::sim {
 namespace {
