@@ -14,8 +14,8 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
 #include "session/store/map_store.hpp"
-#include "viewer/saved_map.hpp"
-#include "viewer/shared_page.hpp"
+#include "viewer/saved/saved_map.hpp"
+#include "viewer/saved/shared_page.hpp"
 
 namespace kinloop {
 namespace {

@@ -18,10 +18,10 @@
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "apps/view/shown_feed.hpp"
 #include "kinloop/core/log.hpp"
-#include "viewer/comparison.hpp"
-#include "viewer/keyframe_images.hpp"
-#include "viewer/saved_map.hpp"
-#include "viewer/scene/saved_cloud.hpp"
+#include "viewer/saved/comparison.hpp"
+#include "viewer/saved/keyframe_images.hpp"
+#include "viewer/saved/saved_map.hpp"
+#include "viewer/saved/sent_shapes.hpp"
 #include "viewer/server/service.hpp"
 
 namespace kinloop {

@@ -14,8 +14,8 @@
 #include "kinloop/core/stopwatch.hpp"
 #include "session/session.hpp"
 #include "session/source/open_frame_source.hpp"
-#include "viewer/scene/incremental_mesh.hpp"
-#include "viewer/scene/run_feed.hpp"
+#include "viewer/live/incremental_mesh.hpp"
+#include "viewer/live/run_scene.hpp"
 #include "viewer/scene/wire_format.hpp"
 
 namespace kinloop {

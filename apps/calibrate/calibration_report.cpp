@@ -5,7 +5,6 @@
 #include "apps/calibrate/calibrate_steps.hpp"
 #include "kinloop/core/text/escaped.hpp"
 #include "viewer/report/html_page.hpp"
-#include "viewer/report/report_text.hpp"
 #include "viewer/report/svg_plot.hpp"
 
 namespace kinloop {

@@ -11,7 +11,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "viewer/report/report.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,7 +4,7 @@
 #include "apps/map/merge_maps.hpp"
 #include "dense/up_direction.hpp"
 #include "tools/map_difference/map_difference.hpp"
-#include "viewer/comparison.hpp"
+#include "viewer/saved/comparison.hpp"
 
 namespace kinloop {
 

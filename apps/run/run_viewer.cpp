@@ -8,7 +8,7 @@
 #include "apps/shared/terminal/interrupt.hpp"
 #include "kinloop/core/log.hpp"
 #include "viewer/report/report.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 namespace kinloop {
 namespace {

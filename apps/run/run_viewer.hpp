@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "session/session.hpp"
-#include "viewer/live_viewer.hpp"
+#include "viewer/live/live_viewer.hpp"
 
 namespace kinloop {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "kinloop/back_end/executor.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 #include "viewer/scene/scene.hpp"
 #include "viewer/server/command.hpp"
 

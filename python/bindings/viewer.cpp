@@ -10,10 +10,10 @@
 #include "python/bindings/map_file.hpp"
 #include "python/bindings/options.hpp"
 #include "python/bindings/result.hpp"
-#include "viewer/saved_map.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_map.hpp"
+#include "viewer/saved/saved_run.hpp"
+#include "viewer/saved/shared_page.hpp"
 #include "viewer/server/service.hpp"
-#include "viewer/shared_page.hpp"
 
 namespace kinloop::python {
 namespace {

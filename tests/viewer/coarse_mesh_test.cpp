@@ -1,8 +1,8 @@
 // The mesh that stands in for one of too many triangles.
 
-#include "viewer/scene/coarse_mesh.hpp"
-
 #include <gmock/gmock.h>
+
+#include "viewer/saved/sent_shapes.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,6 +1,6 @@
 // The scene of two compared maps.
 
-#include "viewer/comparison.hpp"
+#include "viewer/saved/comparison.hpp"
 
 #include <algorithm>
 

@@ -11,7 +11,7 @@
 #include "kinloop/core/text/base64.hpp"
 #include "kinloop/core/time.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "viewer/report/report_text.hpp"
+#include "viewer/report/html_page.hpp"
 #include "viewer/report/svg_plot.hpp"
 
 namespace kinloop {

@@ -1,6 +1,6 @@
 // From Slam's events to the messages for a browser.
 
-#include "viewer/scene/run_scene.hpp"
+#include "viewer/live/run_scene.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -16,8 +16,8 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/viewer/scene_parts.hpp"
-#include "viewer/run_control.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/live/live_viewer.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 namespace kinloop {
 namespace {

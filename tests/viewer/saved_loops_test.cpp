@@ -1,6 +1,6 @@
 // The loops that the page of a saved run lists.
 
-#include "viewer/saved_loops.hpp"
+#include "viewer/saved/saved_loops.hpp"
 
 #include <memory>
 
@@ -8,7 +8,7 @@
 
 #include "kinloop/core/time.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "viewer/saved_map.hpp"
+#include "viewer/saved/saved_map.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,6 +1,6 @@
 // The content shown by kinloop view, from files to messages for a browser.
 
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -18,8 +18,8 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/viewer/scene_parts.hpp"
-#include "viewer/keyframe_images.hpp"
-#include "viewer/scene/saved_cloud.hpp"
+#include "viewer/saved/keyframe_images.hpp"
+#include "viewer/saved/sent_shapes.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,6 +1,6 @@
 // The page that holds a run: what is in it, and how large it may become.
 
-#include "viewer/shared_page.hpp"
+#include "viewer/saved/shared_page.hpp"
 
 #include <algorithm>
 #include <cstring>

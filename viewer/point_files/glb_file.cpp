@@ -1,5 +1,3 @@
-#include "viewer/point_files/glb_file.hpp"
-
 #include <array>
 #include <map>
 #include <optional>
@@ -11,6 +9,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "viewer/point_files/number_types.hpp"
+#include "viewer/point_files/point_file.hpp"
 
 namespace kinloop {
 namespace {

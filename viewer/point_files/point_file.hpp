@@ -1,5 +1,5 @@
 #pragma once
-// Readers of PLY and PCD clouds and meshes from any program.
+// Readers of PLY, PCD and GLB (glTF 2.0) clouds and meshes from any program.
 
 #include <filesystem>
 #include <string>
@@ -22,5 +22,10 @@ PointFile read_any_ply(const std::filesystem::path& path);
 /// Reads any PCD file: ascii, binary or binary_compressed, with fields of any type in any order. Throws
 /// InputError naming the file and the problem.
 PointFile read_any_pcd(const std::filesystem::path& path);
+
+/// Returns the bytes of a GLB file, which the page reads. It is checked here, so that damage is reported on
+/// the terminal. Throws InputError naming the file and the problem if it is damaged, holds nothing to draw,
+/// or needs features that the page lacks (other files, compressed meshes).
+std::string read_glb(const std::filesystem::path& path);
 
 }  // namespace kinloop

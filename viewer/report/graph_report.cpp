@@ -7,7 +7,6 @@
 
 #include "kinloop/core/text/escaped.hpp"
 #include "viewer/report/html_page.hpp"
-#include "viewer/report/report_text.hpp"
 #include "viewer/report/svg_plot.hpp"
 
 namespace kinloop {

@@ -11,9 +11,9 @@
 #include "kinloop/core/text/rounded_number.hpp"
 #include "kinloop/core/time.hpp"
 #include "tools/evaluation/evaluate.hpp"
-#include "viewer/report/report_text.hpp"
+#include "viewer/report/html_page.hpp"
 #include "viewer/report/run_up_direction.hpp"
-#include "viewer/saved_loops.hpp"
+#include "viewer/saved/saved_loops.hpp"
 
 KINLOOP_EMBED_FILE(embedded_report_page, KINLOOP_PAGE)
 

@@ -1,7 +1,6 @@
-#include "viewer/server/http_session.hpp"
-
 #include <chrono>
 
+#include "viewer/server/client_sessions.hpp"
 #include "viewer/server/viewer_page.hpp"
 
 namespace kinloop {

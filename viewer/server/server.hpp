@@ -13,8 +13,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "viewer/server/access.hpp"
-#include "viewer/server/http_session.hpp"
-#include "viewer/server/websocket_session.hpp"
+#include "viewer/server/client_sessions.hpp"
 
 namespace kinloop {
 

@@ -1,7 +1,7 @@
-#include "viewer/server/websocket_session.hpp"
-
 #include <algorithm>
 #include <chrono>
+
+#include "viewer/server/client_sessions.hpp"
 
 namespace kinloop {
 namespace {

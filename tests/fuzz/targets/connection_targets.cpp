@@ -4,8 +4,7 @@
 
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
-#include "viewer/server/http_session.hpp"
-#include "viewer/server/websocket_session.hpp"
+#include "viewer/server/client_sessions.hpp"
 
 namespace kinloop::fuzz {
 namespace {

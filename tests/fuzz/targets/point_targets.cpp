@@ -1,7 +1,6 @@
 #include "dense/files/ply.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
-#include "viewer/point_files/glb_file.hpp"
 #include "viewer/point_files/point_file.hpp"
 
 namespace kinloop::fuzz {

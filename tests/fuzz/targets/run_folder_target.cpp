@@ -1,7 +1,7 @@
 #include "apps/shared/files/report_file.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 namespace kinloop::fuzz {
 

@@ -12,7 +12,7 @@
 #include "session/plan/viewer_options.hpp"
 #include "tools/evaluation/evaluate.hpp"
 #include "viewer/report/frame_table.hpp"
-#include "viewer/saved_loops.hpp"
+#include "viewer/saved/saved_loops.hpp"
 #include "viewer/scene/scene.hpp"
 #include "viewer/scene/wire_format.hpp"
 

@@ -1,4 +1,4 @@
-#include "viewer/scene/run_scene.hpp"
+#include "viewer/live/run_scene.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "viewer/shared_page.hpp"
+#include "viewer/saved/shared_page.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "viewer/scene/run_feed.hpp"
-
 #include <algorithm>
+
+#include "viewer/live/run_scene.hpp"
 
 namespace kinloop {
 namespace {

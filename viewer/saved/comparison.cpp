@@ -1,4 +1,4 @@
-#include "viewer/comparison.hpp"
+#include "viewer/saved/comparison.hpp"
 
 #include <array>
 
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "dense/up_direction.hpp"
-#include "viewer/scene/saved_cloud.hpp"
+#include "viewer/saved/sent_shapes.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 #include <algorithm>
 
@@ -13,13 +13,11 @@
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "viewer/index_by_stamp.hpp"
-#include "viewer/point_files/glb_file.hpp"
 #include "viewer/point_files/point_file.hpp"
 #include "viewer/report/frame_table.hpp"
 #include "viewer/report/report.hpp"
 #include "viewer/report/run_up_direction.hpp"
-#include "viewer/scene/coarse_mesh.hpp"
-#include "viewer/scene/saved_cloud.hpp"
+#include "viewer/saved/sent_shapes.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/scene/incremental_mesh.hpp"
+#include "viewer/live/incremental_mesh.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "viewer/saved_map.hpp"
+#include "viewer/saved/saved_map.hpp"
 
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/io/run_folder.hpp"

@@ -8,7 +8,7 @@
 #include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/map.hpp"
 #include "session/store/map_store.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 namespace kinloop {
 

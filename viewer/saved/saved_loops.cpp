@@ -1,4 +1,4 @@
-#include "viewer/saved_loops.hpp"
+#include "viewer/saved/saved_loops.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "viewer/keyframe_images.hpp"
-#include "viewer/saved_run.hpp"
+#include "viewer/saved/keyframe_images.hpp"
+#include "viewer/saved/saved_run.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "viewer/keyframe_images.hpp"
+#include "viewer/saved/keyframe_images.hpp"
 
 #include <string_view>
 #include <unordered_map>
@@ -11,7 +11,7 @@
 #include "kinloop/io/run_folder.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 #include "viewer/index_by_stamp.hpp"
-#include "viewer/saved_map.hpp"
+#include "viewer/saved/saved_map.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,7 +1,7 @@
-#include "viewer/run_control.hpp"
-
 #include <chrono>
 #include <utility>
+
+#include "viewer/live/live_viewer.hpp"
 
 namespace kinloop {
 

@@ -1,4 +1,4 @@
-#include "viewer/live_viewer.hpp"
+#include "viewer/live/live_viewer.hpp"
 
 namespace kinloop {
 
