@@ -14,8 +14,8 @@
 #include "kinloop/core/time.hpp"
 #include "session/store/named_trajectory.hpp"
 #include "tools/evaluation/compare.hpp"
-#include "tools/evaluation/evaluation_plot.hpp"
-#include "tools/evaluation/evaluation_table.hpp"
+#include "tools/evaluation/report/evaluation_plot.hpp"
+#include "tools/evaluation/report/evaluation_table.hpp"
 
 namespace kinloop {
 namespace {

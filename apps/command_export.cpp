@@ -26,7 +26,7 @@
 #include "tools/export/g2o/g2o_file.hpp"
 #include "tools/export/grid_file.hpp"
 #include "tools/export/las.hpp"
-#include "tools/export/mcap/map_recording.hpp"
+#include "tools/export/mcap/recording.hpp"
 #include "tools/export/trajectory_writer.hpp"
 
 namespace kinloop {

@@ -20,7 +20,7 @@
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "session/store/map_store.hpp"
-#include "tools/floor_plan/draw_plan.hpp"
+#include "tools/floor_plan/drawing/draw_plan.hpp"
 
 namespace kinloop {
 namespace {

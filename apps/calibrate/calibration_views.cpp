@@ -6,7 +6,7 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/options.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
-#include "tools/calibration/charuco.hpp"
+#include "tools/calibration/board/charuco.hpp"
 
 namespace kinloop {
 

@@ -21,11 +21,11 @@
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
-#include "tools/vocabulary_training/descriptor_file.hpp"
-#include "tools/vocabulary_training/mpi_communicator.hpp"
-#include "tools/vocabulary_training/scratch_memory.hpp"
+#include "tools/vocabulary_training/communicator.hpp"
+#include "tools/vocabulary_training/descriptors/descriptor_file.hpp"
+#include "tools/vocabulary_training/descriptors/training_images.hpp"
+#include "tools/vocabulary_training/descriptors/training_set.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
-#include "tools/vocabulary_training/training_images.hpp"
 #include "tools/vocabulary_training/vocabulary_stats.hpp"
 
 namespace kinloop {

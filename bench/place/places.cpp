@@ -9,7 +9,7 @@
 #include "kinloop/core/time.hpp"
 #include "kinloop/features/extraction/extractor.hpp"
 #include "kinloop/sensor/sensor.hpp"
-#include "tools/vocabulary_training/training_images.hpp"
+#include "tools/vocabulary_training/descriptors/training_images.hpp"
 
 namespace kinloop {
 namespace {

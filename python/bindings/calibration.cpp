@@ -8,7 +8,7 @@
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/options.hpp"
-#include "tools/calibration/find_board.hpp"
+#include "tools/calibration/board/find_board.hpp"
 #include "tools/calibration/lens.hpp"
 
 namespace kinloop::python {

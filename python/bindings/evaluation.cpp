@@ -13,8 +13,8 @@
 #include "python/bindings/stamps.hpp"
 #include "python/bindings/trajectory.hpp"
 #include "tools/evaluation/compare.hpp"
-#include "tools/evaluation/evaluation_plot.hpp"
-#include "tools/evaluation/evaluation_table.hpp"
+#include "tools/evaluation/report/evaluation_plot.hpp"
+#include "tools/evaluation/report/evaluation_table.hpp"
 
 namespace kinloop::python {
 namespace {

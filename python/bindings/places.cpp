@@ -15,8 +15,8 @@
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/options.hpp"
+#include "tools/vocabulary_training/descriptors/training_images.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
-#include "tools/vocabulary_training/training_images.hpp"
 
 namespace kinloop::python {
 namespace {

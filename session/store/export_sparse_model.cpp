@@ -8,9 +8,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "session/source/open_frame_source.hpp"
-#include "tools/export/sparse_model/colmap.hpp"
-#include "tools/export/sparse_model/model_images.hpp"
-#include "tools/export/sparse_model/nerfstudio.hpp"
+#include "tools/export/sparse_model/model_files.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/calibration/board_size.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -8,7 +6,7 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "tools/calibration/find_board.hpp"
+#include "tools/calibration/board/find_board.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/calibration/capture_guide.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -7,9 +5,8 @@
 #include "tests/calibration/pictures.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/calibration/board/find_board.hpp"
 #include "tools/calibration/capture.hpp"
-#include "tools/calibration/edge_width.hpp"
-#include "tools/calibration/find_board.hpp"
 
 namespace kinloop {
 namespace {

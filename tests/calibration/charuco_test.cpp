@@ -1,11 +1,11 @@
-#include "tools/calibration/charuco.hpp"
+#include "tools/calibration/board/charuco.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/calibration/pictures.hpp"
 #include "tests/support/expect_error.hpp"
-#include "tools/calibration/find_board.hpp"
+#include "tools/calibration/board/find_board.hpp"
 
 #ifdef KINLOOP_WITH_ARUCO
 

@@ -1,4 +1,4 @@
-#include "tools/calibration/find_board.hpp"
+#include "tools/calibration/board/find_board.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tools/calibration/homography.hpp"
+#include "tools/calibration/board/homography.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/random.hpp"
-#include "tools/calibration/board.hpp"
+#include "tools/calibration/board/board.hpp"
 #include "tools/calibration/lens.hpp"
 
 namespace kinloop::test {

@@ -11,8 +11,8 @@
 #include "kinloop/core/time.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/random_vectors.hpp"
-#include "tools/evaluation/evaluation_plot.hpp"
-#include "tools/evaluation/evaluation_table.hpp"
+#include "tools/evaluation/report/evaluation_plot.hpp"
+#include "tools/evaluation/report/evaluation_table.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,7 @@
 // What is found by comparing two trajectories: the offset of their clocks and the order of their quaternions.
 
+#include "tools/evaluation/recognition.hpp"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -8,8 +10,6 @@
 #include "kinloop/core/time.hpp"
 #include "tests/support/random_vectors.hpp"
 #include "tests/support/shared_data.hpp"
-#include "tools/evaluation/clock_offset.hpp"
-#include "tools/evaluation/quaternion_order.hpp"
 #include "tools/evaluation/trajectory_files/trajectory_file.hpp"
 
 namespace kinloop {

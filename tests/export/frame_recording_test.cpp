@@ -1,5 +1,3 @@
-#include "tools/export/mcap/frame_recording.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -13,6 +11,7 @@
 #include "tests/drivers/mutation.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/export/mcap/recording.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,8 +10,8 @@
 #include "kinloop/core/text/base64.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/support/value_at.hpp"
-#include "tools/export/mcap/map_recording.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
+#include "tools/export/mcap/recording.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/export/path_csv.hpp"
-
 #include <limits>
 #include <sstream>
 
@@ -7,6 +5,7 @@
 
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tools/export/trajectory_writer.hpp"
 
 namespace kinloop {
 namespace {

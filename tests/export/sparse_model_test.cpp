@@ -12,9 +12,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "tools/export/sparse_model/colmap.hpp"
-#include "tools/export/sparse_model/model_images.hpp"
-#include "tools/export/sparse_model/nerfstudio.hpp"
+#include "tools/export/sparse_model/model_files.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,9 +1,9 @@
-#include "tools/floor_plan/drawing.hpp"
+#include "tools/floor_plan/drawing/drawing.hpp"
 
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "tools/floor_plan/latin1.hpp"
+#include "tools/floor_plan/drawing/latin1.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tests/floor_plan/box_world.hpp"
 #include "tests/support/expect_error.hpp"
-#include "tools/floor_plan/draw_plan.hpp"
+#include "tools/floor_plan/drawing/draw_plan.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,10 +1,9 @@
-#include "tools/floor_plan/line_arrangement.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "kinloop/core/random.hpp"
+#include "tools/floor_plan/rooms.hpp"
 
 namespace kinloop {
 namespace {

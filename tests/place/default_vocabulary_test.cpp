@@ -13,7 +13,7 @@
 #include "kinloop/place/place_index.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
 #include "tests/support/shared_data.hpp"
-#include "tools/vocabulary_training/training_images.hpp"
+#include "tools/vocabulary_training/descriptors/training_images.hpp"
 #include "tools/vocabulary_training/vocabulary_stats.hpp"
 
 namespace kinloop {

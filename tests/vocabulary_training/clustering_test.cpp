@@ -1,4 +1,4 @@
-#include "tools/vocabulary_training/clustering.hpp"
+#include "tools/vocabulary_training/clustering/clustering.hpp"
 
 #include <algorithm>
 #include <set>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/place/synthetic.hpp"
-#include "tools/vocabulary_training/seeding.hpp"
+#include "tools/vocabulary_training/clustering/distributed_points.hpp"
 
 namespace kinloop {
 namespace {

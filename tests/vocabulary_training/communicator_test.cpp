@@ -1,5 +1,7 @@
 // One vocabulary trained by several processes: identical bytes, however images and memory are distributed.
 
+#include "tools/vocabulary_training/communicator.hpp"
+
 #include <gmock/gmock.h>
 
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
@@ -7,9 +9,8 @@
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/vocabulary_training/thread_communicator.hpp"
-#include "tools/vocabulary_training/mpi_communicator.hpp"
-#include "tools/vocabulary_training/scratch_memory.hpp"
-#include "tools/vocabulary_training/seeding.hpp"
+#include "tools/vocabulary_training/clustering/distributed_points.hpp"
+#include "tools/vocabulary_training/descriptors/training_set.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop {

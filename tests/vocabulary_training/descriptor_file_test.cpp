@@ -1,4 +1,4 @@
-#include "tools/vocabulary_training/descriptor_file.hpp"
+#include "tools/vocabulary_training/descriptors/descriptor_file.hpp"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include "tests/place/synthetic.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "tools/vocabulary_training/training_images.hpp"
+#include "tools/vocabulary_training/descriptors/training_images.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/vocabulary_training/training_images.hpp"
+#include "tools/vocabulary_training/descriptors/training_images.hpp"
 
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>

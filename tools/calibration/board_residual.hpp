@@ -8,7 +8,7 @@
 #include <ceres/rotation.h>
 
 #include "kinloop/geometry/lens.hpp"
-#include "tools/calibration/board.hpp"
+#include "tools/calibration/board/board.hpp"
 
 namespace kinloop {
 

@@ -1,12 +1,11 @@
-#include "tools/calibration/capture_guide.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
-#include "tools/calibration/homography.hpp"
+#include "tools/calibration/board/homography.hpp"
+#include "tools/calibration/capture.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "kinloop/geometry/camera.hpp"
-#include "tools/calibration/board.hpp"
+#include "tools/calibration/board/board.hpp"
 
 namespace kinloop {
 

@@ -10,7 +10,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"
-#include "tools/calibration/homography.hpp"
+#include "tools/calibration/board/homography.hpp"
 
 namespace kinloop {
 namespace {

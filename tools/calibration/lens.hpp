@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/calibration/board.hpp"
+#include "tools/calibration/board/board.hpp"
 #include "tools/calibration/options.hpp"
 #include "tools/calibration/rig_adjustment.hpp"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
-#include "tools/calibration/homography.hpp"
+#include "tools/calibration/board/homography.hpp"
 
 namespace kinloop {
 namespace {

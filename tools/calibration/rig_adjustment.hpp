@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "kinloop/geometry/camera.hpp"
-#include "tools/calibration/board.hpp"
+#include "tools/calibration/board/board.hpp"
 
 namespace kinloop {
 

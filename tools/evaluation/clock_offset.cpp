@@ -1,5 +1,3 @@
-#include "tools/evaluation/clock_offset.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 
 #include "kinloop/core/time.hpp"
 #include "tools/evaluation/alignment.hpp"
+#include "tools/evaluation/recognition.hpp"
 
 namespace kinloop {
 namespace {

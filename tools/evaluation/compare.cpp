@@ -7,8 +7,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "tools/evaluation/clock_offset.hpp"
-#include "tools/evaluation/quaternion_order.hpp"
+#include "tools/evaluation/recognition.hpp"
 
 namespace kinloop {
 namespace {

@@ -14,7 +14,6 @@
 
 #include "kinloop/geometry/trajectory.hpp"
 #include "tools/evaluation/alignment.hpp"
-#include "tools/evaluation/pose_pairs.hpp"
 
 namespace kinloop {
 

@@ -1,8 +1,8 @@
-#include "tools/evaluation/quaternion_order.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <numbers>
+
+#include "tools/evaluation/recognition.hpp"
 
 namespace kinloop {
 namespace {

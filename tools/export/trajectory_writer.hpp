@@ -8,6 +8,13 @@
 
 namespace kinloop {
 
+/// Writes a table with the fields of the poses of a nav_msgs/Path, atomically: one line of field names, then
+/// one line per pose. Stamps are whole seconds and nanoseconds, positions metres, orientations unit
+/// quaternions; `frame_id` names the frame of the poses. Non-finite poses are left out. Throws InputError on
+/// failure.
+void write_path_csv(const std::filesystem::path& path, const Trajectory& trajectory,
+                    const std::string& frame_id);
+
 /// Whether the name asks for KITTI format, which has a line for each frame and no time stamps.
 bool is_kitti_name(const std::filesystem::path& path);
 

@@ -1,5 +1,3 @@
-#include "tools/floor_plan/free_space.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -8,6 +6,7 @@
 
 #include "dense/surfels/voxel_samples.hpp"
 #include "dense/usable_depth.hpp"
+#include "tools/floor_plan/rooms.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,8 +1,8 @@
-#include "tools/floor_plan/line_arrangement.hpp"
-
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "tools/floor_plan/rooms.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,7 +10,6 @@
 #pragma GCC diagnostic pop
 
 #include "kinloop/core/disjoint_sets.hpp"
-#include "tools/floor_plan/line_arrangement.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/map_difference/changed_objects.hpp"
-
 #include <algorithm>
 #include <map>
 #include <tuple>
@@ -7,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "kinloop/core/disjoint_sets.hpp"
+#include "tools/map_difference/map_difference.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,11 +1,10 @@
-#include "tools/map_difference/changed_points.hpp"
-
 #include <limits>
 
 #include <opencv2/imgproc.hpp>
 
 #include "dense/usable_depth.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "tools/map_difference/map_difference.hpp"
 
 namespace kinloop {
 namespace {

@@ -2,11 +2,72 @@
 // In: two visits of a place in one frame. Out: what is gone, what was added and what was moved; as JSON and
 // as a coloured cloud.
 
+#include <span>
+
 #include <nlohmann/json_fwd.hpp>
 
-#include "tools/map_difference/changed_objects.hpp"
+#include "dense/cloud/colored_cloud.hpp"
+#include "dense/image_store.hpp"
+#include "dense/options.hpp"
+#include "dense/posed_image.hpp"
+#include "kinloop/core/progress.hpp"
 
 namespace kinloop {
+
+enum class PointChange : uint8_t {
+  kUnseen,   ///< the other visit did not look there
+  kSame,     ///< it measured the surface
+  kChanged,  ///< it saw through the place
+};
+
+/// The depth images of one visit.
+struct VisitViews {
+  const ImageStore& images;
+  std::span<const PosedImage> views;
+};
+
+struct ComparisonOptions {
+  DenseCamera camera;  ///< of both visits
+  DepthLimits limits = {};
+  double voxel_m = 0.01;  ///< of the clouds
+  int threads = 1;
+};
+
+/// Returns for each point of `cloud` (world frame) what `other` says of it. A view sees through a point if
+/// every pixel around it measured something clearly farther; at least two views must, or the only one, and
+/// more than measured the surface there. Views are left out once `progress` asks to end.
+std::vector<PointChange> compare_points(const ColoredCloud& cloud, const VisitViews& other,
+                                        const ComparisonOptions& options, const Progress& progress = {});
+
+/// Edge of the voxels in which changed points are grouped.
+constexpr double kGroupVoxel_m = 0.05;
+
+/// Points of one visit that changed and are connected.
+struct PointGroup {
+  std::vector<uint32_t> points;                        ///< indices into the cloud
+  size_t voxels = 0;                                   ///< occupied, of kGroupVoxel_m
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< mean of the points, world
+  Eigen::Vector3d spread_m = Eigen::Vector3d::Zero();  ///< standard deviations along its axes, largest first
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();     ///< mean red, green, blue, 0 to 255
+
+  /// Returns about the size of the surface.
+  [[nodiscard]] double surface_m2() const {
+    return static_cast<double>(voxels) * (kGroupVoxel_m * kGroupVoxel_m);
+  }
+};
+
+/// Returns the groups of at least some 300 cm^2, the largest first.
+std::vector<PointGroup> group_changed_points(const ColoredCloud& cloud,
+                                             const std::vector<PointChange>& changes);
+
+/// A group before and one after that look like the same object.
+struct MovedPair {
+  size_t before = 0, after = 0;  ///< indices into the groups
+};
+
+/// Pairs groups of similar size, shape and colour, each at most once, the most alike first.
+std::vector<MovedPair> find_moved(const std::vector<PointGroup>& before,
+                                  const std::vector<PointGroup>& after);
 
 /// A visit: its cloud (world frame), and the depth images that it was fused from.
 struct Visit {

@@ -1,10 +1,9 @@
-#include "tools/vocabulary_training/mpi_communicator.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 
 #include "kinloop/core/errors.hpp"
+#include "tools/vocabulary_training/communicator.hpp"
 
 #ifdef KINLOOP_WITH_MPI
 

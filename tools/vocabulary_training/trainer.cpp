@@ -9,8 +9,8 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
-#include "tools/vocabulary_training/clustering.hpp"
-#include "tools/vocabulary_training/message.hpp"
+#include "tools/vocabulary_training/clustering/clustering.hpp"
+#include "tools/vocabulary_training/communicator.hpp"
 #include "tools/vocabulary_training/tree_level.hpp"
 
 namespace kinloop {

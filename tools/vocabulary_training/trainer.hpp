@@ -10,9 +10,9 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/progress.hpp"
 #include "kinloop/place/vocabulary/vocabulary.hpp"
-#include "tools/vocabulary_training/clustering.hpp"
+#include "tools/vocabulary_training/clustering/clustering.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
-#include "tools/vocabulary_training/training_set.hpp"
+#include "tools/vocabulary_training/descriptors/training_set.hpp"
 
 namespace kinloop {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/vocabulary_training/message.hpp"
+#include "tools/vocabulary_training/communicator.hpp"
 
 namespace kinloop {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/vocabulary_training/communicator.hpp"
-#include "tools/vocabulary_training/training_set.hpp"
+#include "tools/vocabulary_training/descriptors/training_set.hpp"
 
 namespace kinloop {
 

@@ -19,9 +19,9 @@
 #include "kinloop/features/extraction/surf.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "session/process.hpp"
-#include "tools/calibration/charuco.hpp"
+#include "tools/calibration/board/charuco.hpp"
 #include "tools/feature_comparison/detectors.hpp"
-#include "tools/vocabulary_training/mpi_communicator.hpp"
+#include "tools/vocabulary_training/communicator.hpp"
 
 namespace kinloop {
 

@@ -9,7 +9,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
-#include "tools/export/mcap/frame_recording.hpp"
+#include "tools/export/mcap/recording.hpp"
 
 namespace kinloop {
 namespace {

@@ -28,7 +28,7 @@
 #include "tests/support/synthetic_map.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tools/vocabulary_training/dbow2_text.hpp"
-#include "tools/vocabulary_training/descriptor_file.hpp"
+#include "tools/vocabulary_training/descriptors/descriptor_file.hpp"
 #include "tools/vocabulary_training/trainer.hpp"
 
 namespace kinloop::fuzz {

@@ -2,7 +2,7 @@
 
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
-#include "tools/vocabulary_training/descriptor_file.hpp"
+#include "tools/vocabulary_training/descriptors/descriptor_file.hpp"
 
 namespace kinloop::fuzz {
 

@@ -1,5 +1,3 @@
-#include "tools/evaluation/trajectory_files/number_table.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <sstream>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "tools/evaluation/trajectory_files/columns.hpp"
 
 namespace kinloop {
 namespace {

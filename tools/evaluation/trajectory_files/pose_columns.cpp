@@ -1,5 +1,3 @@
-#include "tools/evaluation/trajectory_files/pose_columns.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -8,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/text/lower_case.hpp"
+#include "tools/evaluation/trajectory_files/columns.hpp"
 
 namespace kinloop {
 namespace {

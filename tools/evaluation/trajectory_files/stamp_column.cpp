@@ -1,5 +1,3 @@
-#include "tools/evaluation/trajectory_files/stamp_column.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/time.hpp"
+#include "tools/evaluation/trajectory_files/columns.hpp"
 
 namespace kinloop {
 namespace {

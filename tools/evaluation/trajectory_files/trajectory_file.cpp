@@ -8,9 +8,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
-#include "tools/evaluation/trajectory_files/number_table.hpp"
-#include "tools/evaluation/trajectory_files/pose_columns.hpp"
-#include "tools/evaluation/trajectory_files/stamp_column.hpp"
+#include "tools/evaluation/trajectory_files/columns.hpp"
 
 namespace kinloop {
 namespace {

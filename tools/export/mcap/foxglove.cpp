@@ -1,11 +1,10 @@
-#include "tools/export/mcap/foxglove.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/text/base64.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
+#include "tools/export/mcap/messages.hpp"
 
 namespace kinloop::foxglove {
 namespace {

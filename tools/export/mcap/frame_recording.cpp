@@ -1,12 +1,11 @@
-#include "tools/export/mcap/frame_recording.hpp"
-
 #include "drivers/image_files/fast_encoder.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/recording_format.hpp"
 #include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/depth_codec.hpp"
-#include "tools/export/mcap/ros_messages.hpp"
+#include "tools/export/mcap/messages.hpp"
+#include "tools/export/mcap/recording.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,10 +1,9 @@
-#include "tools/export/mcap/map_recording.hpp"
-
 #include <algorithm>
 #include <limits>
 
-#include "tools/export/mcap/foxglove.hpp"
 #include "tools/export/mcap/mcap_writer.hpp"
+#include "tools/export/mcap/messages.hpp"
+#include "tools/export/mcap/recording.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/export/mcap/ros_messages.hpp"
-
 #include <utility>
 
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/time.hpp"
+#include "tools/export/mcap/messages.hpp"
 
 namespace kinloop::ros_messages {
 namespace {

@@ -1,8 +1,7 @@
-#include "tools/export/sparse_model/colmap.hpp"
-
 #include <fmt/format.h>
 
 #include "kinloop/core/files/text_file.hpp"
+#include "tools/export/sparse_model/model_files.hpp"
 
 namespace kinloop {
 namespace {

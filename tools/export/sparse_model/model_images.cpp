@@ -1,5 +1,3 @@
-#include "tools/export/sparse_model/model_images.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +5,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "tools/export/sparse_model/model_files.hpp"
 
 namespace kinloop {
 namespace {

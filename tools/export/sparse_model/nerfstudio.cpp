@@ -1,10 +1,9 @@
-#include "tools/export/sparse_model/nerfstudio.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include "dense/files/ply.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/text/json.hpp"
+#include "tools/export/sparse_model/model_files.hpp"
 
 namespace kinloop {
 namespace {
