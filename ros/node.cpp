@@ -7,6 +7,8 @@
 //   ~idle_s         ends after this time without a frame; 0: at Ctrl-C
 //   ~set            options as of `kinloop run --set`, separated by blanks
 
+#include "ros/node.hpp"
+
 #include <filesystem>
 #include <sstream>
 
@@ -17,8 +19,6 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/options.hpp"
-#include "ros/node_output.hpp"
-#include "ros/node_source.hpp"
 #include "session/session.hpp"
 
 namespace kinloop::ros1 {

@@ -1,5 +1,3 @@
-#include "ros/node_output.hpp"
-
 #include <algorithm>
 #include <cstring>
 
@@ -10,8 +8,9 @@
 #include <std_msgs/Bool.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "drivers/ros/ros_messages.hpp"
+#include "drivers/ros/messages/ros_messages.hpp"
 #include "kinloop/map/frames/pose_covariance.hpp"
+#include "ros/node.hpp"
 
 namespace kinloop::ros1 {
 namespace {

@@ -1,5 +1,3 @@
-#include "ros/node_source.hpp"
-
 #include <limits>
 #include <set>
 
@@ -10,6 +8,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "ros/node.hpp"
 
 namespace kinloop::ros1 {
 namespace {

@@ -1,11 +1,10 @@
-#include "drivers/azure/azure_calibration.hpp"
-
 #include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "drivers/azure/azure_recording.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {

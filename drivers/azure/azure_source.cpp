@@ -6,13 +6,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/azure/azure_calibration.hpp"
-#include "drivers/azure/matroska_file.hpp"
+#include "drivers/azure/azure_recording.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"

@@ -1,7 +1,6 @@
-#include "drivers/azure/matroska_file.hpp"
-
 #include <fmt/format.h>
 
+#include "drivers/azure/azure_recording.hpp"
 #include "kinloop/core/errors.hpp"
 
 #ifdef KINLOOP_WITH_VIDEO

@@ -1,7 +1,6 @@
-#include "drivers/bags/mcap_file.hpp"
-
 #include <map>
 
+#include "drivers/bags/bag_files.hpp"
 #include "drivers/bags/chunk_decompression.hpp"
 #include "drivers/bags/record_file.hpp"
 #include "drivers/recording_format.hpp"

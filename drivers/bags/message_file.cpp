@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/bags/mcap_file.hpp"
-#include "drivers/bags/ros1_bag.hpp"
-#include "drivers/bags/ros2_folder.hpp"
-#include "drivers/bags/sqlite_bag.hpp"
+#include "drivers/bags/bag_files.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {

@@ -1,7 +1,6 @@
-#include "drivers/bags/ros1_bag.hpp"
-
 #include <map>
 
+#include "drivers/bags/bag_files.hpp"
 #include "drivers/bags/chunk_decompression.hpp"
 #include "drivers/bags/record_file.hpp"
 #include "kinloop/core/errors.hpp"

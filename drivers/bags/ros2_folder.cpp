@@ -1,13 +1,10 @@
-#include "drivers/bags/ros2_folder.hpp"
-
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "drivers/bags/mcap_file.hpp"
-#include "drivers/bags/sqlite_bag.hpp"
+#include "drivers/bags/bag_files.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 

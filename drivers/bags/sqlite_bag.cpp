@@ -1,11 +1,10 @@
-#include "drivers/bags/sqlite_bag.hpp"
-
 #include <limits>
 #include <map>
 
 #include <fmt/ranges.h>
 #include <sqlite3.h>
 
+#include "drivers/bags/bag_files.hpp"
 #include "drivers/bags/chunk_decompression.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/untrusted_database.hpp"

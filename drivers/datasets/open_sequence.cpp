@@ -1,10 +1,10 @@
 #include "drivers/datasets/open_sequence.hpp"
 
-#include "drivers/datasets/camera_files/depth_unit.hpp"
+#include "drivers/datasets/camera_files/fit_to_images.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "drivers/datasets/truth/pose_convention.hpp"
+#include "drivers/datasets/truth/truth.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"
 
 namespace kinloop {

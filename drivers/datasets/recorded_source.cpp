@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "drivers/datasets/reading/depth_image.hpp"
-#include "drivers/datasets/reading/frame_masks.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/images/depth_image.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
+#include "drivers/datasets/reading/lists/frame_masks.hpp"
 #include "drivers/image_files/image_file.hpp"
-#include "drivers/images/depth_files/numpy.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "drivers/images/mask_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"

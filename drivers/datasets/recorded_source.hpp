@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "drivers/datasets/reading/video_reader.hpp"
+#include "drivers/datasets/reading/images/video_reader.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/sensor/source/frame_source.hpp"

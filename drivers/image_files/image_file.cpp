@@ -10,7 +10,7 @@
 
 #include "drivers/image_files/fast_encoder.hpp"
 #include "drivers/image_files/jpeg_header.hpp"
-#include "drivers/image_files/png_decoder.hpp"
+#include "drivers/image_files/png.hpp"
 #include "drivers/image_files/tiff_bytes.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"

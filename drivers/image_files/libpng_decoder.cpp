@@ -1,5 +1,3 @@
-#include "drivers/image_files/libpng_decoder.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <csetjmp>
@@ -8,6 +6,7 @@
 
 #include <png.h>
 
+#include "drivers/image_files/png.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 
 namespace kinloop {

@@ -1,5 +1,3 @@
-#include "drivers/image_files/png_decoder.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -12,8 +10,7 @@
 #include <libdeflate.h>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/image_files/libpng_decoder.hpp"
-#include "drivers/image_files/png_unfilter.hpp"
+#include "drivers/image_files/png.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"

@@ -1,4 +1,4 @@
-#include "drivers/image_files/png_row_group.hpp"
+#include "drivers/image_files/png.hpp"
 
 #ifdef __SSE2__
 

@@ -1,5 +1,3 @@
-#include "drivers/image_files/png_unfilter.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "drivers/image_files/png_row_group.hpp"
+#include "drivers/image_files/png.hpp"
 
 #ifdef __SSE2__
 #include <emmintrin.h>

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 

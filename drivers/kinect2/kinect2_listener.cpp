@@ -1,11 +1,11 @@
 #ifdef KINLOOP_WITH_FREENECT2
 
-#include "drivers/kinect2/kinect2_listener.hpp"
-
 #include <cmath>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
+
+#include "drivers/kinect2/kinect2_stream.hpp"
 
 namespace kinloop {
 namespace {

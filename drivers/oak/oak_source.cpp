@@ -20,7 +20,7 @@
 #include "drivers/live/device_clock.hpp"
 #include "drivers/live/device_selection.hpp"
 #include "drivers/live/live_source.hpp"
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "kinloop/core/log.hpp"
 
 namespace kinloop {

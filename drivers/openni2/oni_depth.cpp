@@ -1,9 +1,8 @@
-#include "drivers/openni2/oni_depth.hpp"
-
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "drivers/openni2/oni_file.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {

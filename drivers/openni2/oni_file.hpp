@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "drivers/openni2/openni_image.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/source/frame_source.hpp"
@@ -75,5 +77,11 @@ class OniFile {
   std::vector<uint8_t> header_, fields_, payload_;
   SkippedFrames damage_;
 };
+
+// In: depth compressed by OpenNI, in a recording. Out: its pixels.
+
+/// Decodes depth of codec 16z to 16UC1. `with_table`: the values are indices into a table in front of them
+/// (16zT), otherwise depth itself (16zP). Throws InputError if truncated or of another size.
+cv::Mat decode_16z(Bytes bytes, cv::Size size, bool with_table);
 
 }  // namespace kinloop

@@ -6,7 +6,6 @@
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
-#include "drivers/openni2/oni_depth.hpp"
 #include "drivers/openni2/oni_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"

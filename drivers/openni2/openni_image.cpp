@@ -8,7 +8,7 @@
 
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/images/encoded_image.hpp"
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 

@@ -15,8 +15,8 @@
 #include "drivers/live/device_clock.hpp"
 #include "drivers/live/device_selection.hpp"
 #include "drivers/live/live_source.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "drivers/ros/realsense_bag.hpp"
-#include "drivers/ros/ros_image.hpp"
 #include "kinloop/core/log.hpp"
 
 namespace kinloop {

@@ -14,8 +14,8 @@
 #include "drivers/live/device_selection.hpp"
 #include "drivers/live/live_source.hpp"
 #include "drivers/realsense/realsense_stream.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "drivers/ros/realsense_bag.hpp"
-#include "drivers/ros/ros_image.hpp"
 
 namespace kinloop {
 namespace {

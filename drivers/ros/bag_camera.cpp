@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/ros/ros_serialization.hpp"
+#include "drivers/ros/messages/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 

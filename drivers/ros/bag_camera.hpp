@@ -6,8 +6,8 @@
 #include <string>
 
 #include "drivers/bags/message_file.hpp"
-#include "drivers/ros/ros_serialization.hpp"
-#include "drivers/ros/ros_topics.hpp"
+#include "drivers/ros/messages/ros_serialization.hpp"
+#include "drivers/ros/messages/ros_topics.hpp"
 #include "kinloop/sensor/camera/rgbd_camera.hpp"
 
 namespace kinloop {

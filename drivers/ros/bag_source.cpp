@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "drivers/bags/ros2_folder.hpp"
+#include "drivers/bags/bag_files.hpp"
 #include "drivers/images/first_reason.hpp"
 #include "drivers/live/frame_pairer.hpp"
 #include "drivers/ros/bag_camera.hpp"
+#include "drivers/ros/messages/ros_serialization.hpp"
 #include "drivers/ros/realsense_bag.hpp"
 #include "drivers/ros/recording_source.hpp"
-#include "drivers/ros/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"

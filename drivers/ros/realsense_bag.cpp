@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/ros/ros_serialization.hpp"
-#include "drivers/ros/sdk_text.hpp"
+#include "drivers/ros/messages/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {

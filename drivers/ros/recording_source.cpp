@@ -8,7 +8,7 @@
 #include "drivers/images/encoded_image.hpp"
 #include "drivers/images/first_reason.hpp"
 #include "drivers/recording_format.hpp"
-#include "drivers/ros/ros_serialization.hpp"
+#include "drivers/ros/messages/ros_serialization.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"

@@ -1,5 +1,3 @@
-#include "drivers/ros/sdk_text.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/ros/realsense_bag.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"
 

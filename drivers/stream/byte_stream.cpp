@@ -1,5 +1,3 @@
-#include "drivers/stream/byte_stream.hpp"
-
 #include <cerrno>
 #include <cstring>
 
@@ -7,6 +5,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "drivers/stream/frame_protocol.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 

@@ -7,6 +7,7 @@
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
+#include "session/input/input_traits.hpp"
 #include "session/source/source_filters.hpp"
 
 namespace kinloop {

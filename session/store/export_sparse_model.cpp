@@ -8,7 +8,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "session/source/open_frame_source.hpp"
-#include "tools/export/sparse_model/model_files.hpp"
+#include "tools/export/sparse_model/sparse_model.hpp"
 
 namespace kinloop {
 namespace {

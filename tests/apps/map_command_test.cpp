@@ -14,7 +14,7 @@
 
 #include "apps/map/withdraw_from_file.hpp"
 #include "dense/files/ply.hpp"
-#include "drivers/bags/mcap_file.hpp"
+#include "drivers/bags/bag_files.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/io/map_file/map_file.hpp"

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "drivers/azure/azure_calibration.hpp"
+#include "drivers/azure/azure_recording.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
 #include "tests/drivers/mkv_writer.hpp"

@@ -13,7 +13,7 @@
 #include <sys/resource.h>
 #include <tiffio.h>
 
-#include "drivers/datasets/reading/depth_image.hpp"
+#include "drivers/datasets/reading/images/depth_image.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "tests/drivers/depth_file_samples.hpp"

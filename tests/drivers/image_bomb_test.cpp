@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 
 #include "drivers/datasets/open_sequence.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
 #include "drivers/openni2/openni_image.hpp"
 #include "drivers/ros/bag_source.hpp"
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "drivers/stream/frame_protocol.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"

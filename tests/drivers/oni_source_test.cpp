@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "drivers/openni2/oni_depth.hpp"
+#include "drivers/openni2/oni_file.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/oni_writer.hpp"

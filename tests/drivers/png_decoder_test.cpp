@@ -1,5 +1,3 @@
-#include "drivers/image_files/png_decoder.hpp"
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,7 +8,7 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "drivers/image_files/libpng_decoder.hpp"
+#include "drivers/image_files/png.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/random.hpp"
 #include "tests/drivers/sequence_folder.hpp"

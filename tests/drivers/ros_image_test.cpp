@@ -1,4 +1,4 @@
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 
 #include <limits>
 
@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "drivers/ros/ros_topics.hpp"
+#include "drivers/ros/messages/ros_topics.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"

@@ -1,9 +1,8 @@
 // The texts in recordings of the RealSense SDK; tests/scripts/realsense_test.py reads whole files of the SDK.
-#include "drivers/ros/sdk_text.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "drivers/ros/realsense_bag.hpp"
 #include "tests/support/expect_error.hpp"
 
 namespace kinloop {

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "drivers/datasets/open_sequence.hpp"
-#include "drivers/datasets/truth/pose_convention.hpp"
+#include "drivers/datasets/truth/truth.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"

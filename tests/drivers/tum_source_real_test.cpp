@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
-#include "drivers/datasets/reading/tum_listing.hpp"
+#include "drivers/datasets/reading/lists/tum_listing.hpp"
 #include "drivers/datasets/tum_source.hpp"
 #include "tests/support/shared_data.hpp"
 #include "tests/support/temp_folder.hpp"

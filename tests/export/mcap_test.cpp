@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "drivers/bags/bag_files.hpp"
 #include "drivers/bags/chunk_decompression.hpp"
-#include "drivers/bags/mcap_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/text/base64.hpp"
 #include "tests/support/temp_folder.hpp"

@@ -12,7 +12,6 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/support/synthetic_map.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "tools/export/sparse_model/model_files.hpp"
 
 namespace kinloop {
 namespace {

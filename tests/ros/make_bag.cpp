@@ -7,8 +7,8 @@
 #include <rosbag/bag.h>
 
 #include "drivers/datasets/tum_source.hpp"
-#include "drivers/ros/ros_messages.hpp"
-#include "drivers/ros/ros_topics.hpp"
+#include "drivers/ros/messages/ros_messages.hpp"
+#include "drivers/ros/messages/ros_topics.hpp"
 
 namespace kinloop {
 namespace {

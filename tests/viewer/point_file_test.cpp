@@ -13,7 +13,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/support/expect_error.hpp"
 #include "tests/support/temp_folder.hpp"
-#include "viewer/point_files/lzf.hpp"
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "viewer/point_files/number_types.hpp"
 #include "viewer/point_files/point_file.hpp"
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 namespace {

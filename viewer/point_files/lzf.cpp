@@ -1,6 +1,6 @@
-#include "viewer/point_files/lzf.hpp"
-
 #include <cstdint>
+
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 

@@ -1,8 +1,8 @@
-#include "viewer/point_files/number_types.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <string>
+
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 namespace {

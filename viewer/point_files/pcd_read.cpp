@@ -9,10 +9,9 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "viewer/point_files/lzf.hpp"
 #include "viewer/point_files/mesh_builder.hpp"
-#include "viewer/point_files/number_types.hpp"
 #include "viewer/point_files/point_file.hpp"
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 namespace {

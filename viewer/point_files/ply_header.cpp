@@ -1,5 +1,3 @@
-#include "viewer/point_files/ply_header.hpp"
-
 #include <algorithm>
 #include <map>
 
@@ -7,6 +5,7 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 namespace {

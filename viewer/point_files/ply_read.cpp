@@ -9,8 +9,8 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "viewer/point_files/mesh_builder.hpp"
-#include "viewer/point_files/ply_header.hpp"
 #include "viewer/point_files/point_file.hpp"
+#include "viewer/point_files/point_formats.hpp"
 
 namespace kinloop {
 namespace {

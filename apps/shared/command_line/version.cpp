@@ -9,7 +9,7 @@
 #include "dense/mesh/simplify_mesh.hpp"
 #include "dense/mesh/tsdf_volume.hpp"
 #include "dense/occupancy.hpp"
-#include "drivers/datasets/reading/video_reader.hpp"
+#include "drivers/datasets/reading/images/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/oak/oak_source.hpp"

@@ -1,10 +1,10 @@
-#include "dense/texture/atlas/atlas_pixels.hpp"
-
 #include <algorithm>
 #include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "dense/texture/atlas/paint_atlas.hpp"
 
 namespace kinloop {
 namespace {

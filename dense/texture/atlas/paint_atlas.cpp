@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 
 #include "dense/cloud/point_colors.hpp"
-#include "dense/texture/atlas/atlas_pixels.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 
 namespace kinloop {

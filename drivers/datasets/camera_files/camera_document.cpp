@@ -1,5 +1,3 @@
-#include "drivers/datasets/camera_files/camera_document.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -8,8 +6,9 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include "drivers/datasets/camera_files/camera_formats.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
-#include "drivers/images/depth_files/numpy.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/files/text_file.hpp"

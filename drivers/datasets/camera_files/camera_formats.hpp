@@ -3,13 +3,87 @@
 // table. A format is recognised by its content, not by its name.
 
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "drivers/datasets/camera_files/camera_description.hpp"
-#include "drivers/datasets/camera_files/camera_document.hpp"
 
 namespace kinloop {
+
+// In: a text file. Out: its values if it is JSON or YAML, in one form for both, so that a format is a table
+// of keys. Errors name the line of a key.
+
+class CameraDocument {
+ public:
+  /// Reads a file. Throws InputError naming the file, and the line if it is damaged, for one that is too
+  /// large, binary or UTF-16, or that has the ending of JSON or YAML and is something else.
+  static CameraDocument read(const std::filesystem::path& file);
+
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+  /// An object; null for plain text.
+  [[nodiscard]] const nlohmann::json& values() const { return values_; }
+
+  /// Throws InputError naming the file and the first line with `key`.
+  [[noreturn]] void reject(std::string_view key, const std::string& what) const;
+
+ private:
+  std::filesystem::path file_;
+  std::string text_;  ///< without a byte-order mark
+  nlohmann::json values_;
+};
+
+/// An object in a document. A key "a.b" is that key, or b in the object a: ORB-SLAM writes the one,
+/// stella_vslam the other.
+class CameraValues {
+ public:
+  explicit CameraValues(const CameraDocument& document) : CameraValues(document, document.values()) {}
+  CameraValues(const CameraDocument& document, const nlohmann::json& object, std::string name = {})
+      : document_(&document), object_(&object), name_(std::move(name)) {}
+
+  /// The key of this object; empty for the whole document.
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+  /// Returns the value of the first of the keys that is there; null if there is none.
+  [[nodiscard]] const nlohmann::json* find(std::initializer_list<std::string_view> keys) const;
+  [[nodiscard]] bool has(std::string_view key) const { return find({key}) != nullptr; }
+
+  /// Returns whether the first of the keys that is there has a list, or a matrix with `data`.
+  [[nodiscard]] bool has_list(std::initializer_list<std::string_view> keys) const;
+
+  /// Returns the objects in this one, this one first, with their own objects, in order of their keys.
+  [[nodiscard]] std::vector<CameraValues> with_objects_below() const;
+
+  /// Returns the number of the first key that is there; nullopt if there is none. Throws InputError naming
+  /// the line if its value is not a finite number.
+  [[nodiscard]] std::optional<double> number(std::initializer_list<std::string_view> keys) const;
+
+  /// Same; throws InputError if there is none.
+  [[nodiscard]] double required(std::initializer_list<std::string_view> keys) const;
+
+  /// Returns the numbers of a list, of a list of lists, or of a matrix with `data`; empty if there is none of
+  /// the keys. Throws InputError naming the line if it is something else.
+  [[nodiscard]] std::vector<double> numbers(std::initializer_list<std::string_view> keys) const;
+
+  /// Returns the text in small letters; empty if there is none.
+  [[nodiscard]] std::string word(std::initializer_list<std::string_view> keys) const;
+
+  [[nodiscard]] const CameraDocument& document() const { return *document_; }
+
+ private:
+  [[nodiscard]] const nlohmann::json* find_one(std::string_view key) const;
+
+  const CameraDocument* document_;
+  const nlohmann::json* object_;
+  std::string name_;
+};
 
 struct CameraFormat {
   const char* name;  ///< for users

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/camera_files/depth_unit.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/camera_files/fit_to_images.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
 #include "kinloop/core/errors.hpp"
 
 namespace kinloop {

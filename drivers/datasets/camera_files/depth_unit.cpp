@@ -1,12 +1,11 @@
-#include "drivers/datasets/camera_files/depth_unit.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
-#include "drivers/datasets/reading/depth_image.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/camera_files/fit_to_images.hpp"
+#include "drivers/datasets/reading/images/depth_image.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"

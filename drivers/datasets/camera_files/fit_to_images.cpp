@@ -4,9 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/camera_files/depth_unit.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/registration.hpp"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/frame_files.hpp"
+#include "drivers/datasets/reading/lists/frame_files.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/reading/two_lenses.hpp"
 #include "kinloop/core/errors.hpp"

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/frame_masks.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/frame_masks.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 
 namespace kinloop {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"

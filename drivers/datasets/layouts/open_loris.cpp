@@ -8,9 +8,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/tum_listing.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
-#include "drivers/datasets/reading/tum_listing.hpp"
 #include "drivers/datasets/reading/two_lenses.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"

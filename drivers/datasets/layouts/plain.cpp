@@ -5,8 +5,8 @@
 
 #include "drivers/datasets/camera_files/camera_formats.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/frame_masks.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/frame_masks.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 
 namespace kinloop {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "drivers/datasets/camera_files/find_camera.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/frame_files.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
+#include "drivers/datasets/reading/lists/frame_files.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 
 namespace kinloop {

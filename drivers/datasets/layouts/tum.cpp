@@ -4,8 +4,8 @@
 
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/reading/frame_masks.hpp"
-#include "drivers/datasets/reading/tum_listing.hpp"
+#include "drivers/datasets/reading/lists/frame_masks.hpp"
+#include "drivers/datasets/reading/lists/tum_listing.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/log.hpp"
 

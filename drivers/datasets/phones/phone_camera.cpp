@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/image_bytes.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/quantile.hpp"

@@ -6,9 +6,9 @@
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/phones/phone_camera.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
 #include "drivers/datasets/reading/json_file.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/time.hpp"

@@ -9,10 +9,10 @@
 
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/phones/phone_camera.hpp"
-#include "drivers/datasets/reading/image_bytes.hpp"
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
+#include "drivers/datasets/reading/images/video_reader.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
-#include "drivers/datasets/reading/video_reader.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/time.hpp"

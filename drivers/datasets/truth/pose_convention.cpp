@@ -1,5 +1,3 @@
-#include "drivers/datasets/truth/pose_convention.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +6,7 @@
 
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "drivers/datasets/recorded_source.hpp"
+#include "drivers/datasets/truth/truth.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 

@@ -1,13 +1,12 @@
-#include "drivers/datasets/truth/pose_files.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
+#include "drivers/datasets/truth/truth.hpp"
 #include "kinloop/core/association.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"

@@ -7,10 +7,7 @@
 #include <fmt/format.h>
 
 #include "drivers/image_files/tiff_bytes.hpp"
-#include "drivers/images/depth_files/exr.hpp"
-#include "drivers/images/depth_files/numpy.hpp"
-#include "drivers/images/depth_files/opencv_yaml.hpp"
-#include "drivers/images/depth_files/tiff.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 

@@ -1,5 +1,3 @@
-#include "drivers/images/depth_files/exr.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -19,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "drivers/images/depth_files/depth_file.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/text/lower_case.hpp"
 

@@ -1,5 +1,3 @@
-#include "drivers/images/depth_files/numpy.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "drivers/images/depth_files/depth_file.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "drivers/images/depth_files/inflate.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"

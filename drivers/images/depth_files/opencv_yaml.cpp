@@ -1,5 +1,3 @@
-#include "drivers/images/depth_files/opencv_yaml.hpp"
-
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -7,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "drivers/images/depth_files/depth_file.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 
 namespace kinloop {

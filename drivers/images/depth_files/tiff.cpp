@@ -1,5 +1,3 @@
-#include "drivers/images/depth_files/tiff.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstdarg>
@@ -13,6 +11,7 @@
 #include <tiffio.h>
 
 #include "drivers/images/depth_files/depth_file.hpp"
+#include "drivers/images/depth_files/depth_formats.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 

@@ -1,8 +1,8 @@
 #include <opencv2/core.hpp>
 
-#include "drivers/datasets/reading/depth_image.hpp"
+#include "drivers/datasets/reading/images/depth_image.hpp"
 #include "drivers/images/encoded_image.hpp"
-#include "drivers/openni2/oni_depth.hpp"
+#include "drivers/openni2/oni_file.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/sensor/images/depth_codec.hpp"
 #include "tests/fuzz/targets/expectations.hpp"

@@ -1,4 +1,4 @@
-#include "drivers/datasets/reading/tum_listing.hpp"
+#include "drivers/datasets/reading/lists/tum_listing.hpp"
 #include "tests/fuzz/targets/expectations.hpp"
 #include "tests/fuzz/targets/targets.hpp"
 

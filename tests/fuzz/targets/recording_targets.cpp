@@ -1,4 +1,4 @@
-#include "drivers/azure/azure_calibration.hpp"
+#include "drivers/azure/azure_recording.hpp"
 #include "drivers/azure/azure_source.hpp"
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/openni2/oni_source.hpp"

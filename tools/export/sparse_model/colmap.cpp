@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/files/text_file.hpp"
-#include "tools/export/sparse_model/model_files.hpp"
+#include "tools/export/sparse_model/sparse_model.hpp"
 
 namespace kinloop {
 namespace {

@@ -5,7 +5,7 @@
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
-#include "tools/export/sparse_model/model_files.hpp"
+#include "tools/export/sparse_model/sparse_model.hpp"
 
 namespace kinloop {
 namespace {

@@ -3,7 +3,7 @@
 #include "dense/files/ply.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/text/json.hpp"
-#include "tools/export/sparse_model/model_files.hpp"
+#include "tools/export/sparse_model/sparse_model.hpp"
 
 namespace kinloop {
 namespace {

@@ -1,10 +1,10 @@
-#include "drivers/datasets/reading/frame_files.hpp"
+#include "drivers/datasets/reading/lists/frame_files.hpp"
 
 #include <array>
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 

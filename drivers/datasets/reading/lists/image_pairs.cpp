@@ -1,4 +1,4 @@
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,11 +1,11 @@
-#include "drivers/datasets/reading/image_bytes.hpp"
+#include "drivers/datasets/reading/images/image_bytes.hpp"
 
 #include <algorithm>
 #include <fstream>
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/datasets/reading/images/pgm.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "kinloop/core/errors.hpp"

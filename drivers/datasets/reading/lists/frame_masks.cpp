@@ -1,4 +1,4 @@
-#include "drivers/datasets/reading/frame_masks.hpp"
+#include "drivers/datasets/reading/lists/frame_masks.hpp"
 
 #include <algorithm>
 

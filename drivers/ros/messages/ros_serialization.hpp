@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/geometry/se3.hpp"
 

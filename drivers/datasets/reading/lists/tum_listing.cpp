@@ -1,11 +1,11 @@
-#include "drivers/datasets/reading/tum_listing.hpp"
+#include "drivers/datasets/reading/lists/tum_listing.hpp"
 
 #include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/image_pairs.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/association.hpp"
 #include "kinloop/core/errors.hpp"

@@ -1,4 +1,4 @@
-#include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/datasets/reading/images/pgm.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "drivers/datasets/reading/depth_image.hpp"
+#include "drivers/datasets/reading/images/depth_image.hpp"
 
 #include <bit>
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/pgm.hpp"
+#include "drivers/datasets/reading/images/pgm.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "drivers/images/depth_files/inflate.hpp"

@@ -1,4 +1,4 @@
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 
 #include <algorithm>
 #include <array>

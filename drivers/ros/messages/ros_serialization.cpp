@@ -1,4 +1,4 @@
-#include "drivers/ros/ros_serialization.hpp"
+#include "drivers/ros/messages/ros_serialization.hpp"
 
 #include <limits>
 

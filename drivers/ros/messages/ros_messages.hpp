@@ -9,7 +9,7 @@
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
 
-#include "drivers/ros/ros_image.hpp"
+#include "drivers/ros/messages/ros_image.hpp"
 
 namespace kinloop::ros1 {
 

@@ -1,6 +1,6 @@
 #pragma once
-// In: a Matroska file, via libavformat (optional dependency). Out: its tracks, attachments and blocks;
-// nothing is decoded.
+// The parts of a recording of the Azure Kinect SDK: its Matroska file, and the calibration that is attached
+// to it.
 
 #include <filesystem>
 #include <memory>
@@ -8,9 +8,15 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/types.hpp>
+
 #include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/geometry/camera.hpp"
 
 namespace kinloop {
+
+// In: a Matroska file, via libavformat (optional dependency). Out: its tracks, attachments and blocks;
+// nothing is decoded.
 
 struct MatroskaTrack {
   std::string name;    ///< COLOR, DEPTH, ...
@@ -46,5 +52,16 @@ class MatroskaFile {
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
+
+// In: calibration.json of an Azure Kinect or Femto recording. Out: its cameras in the modes of the recording.
+
+struct AzureCalibration {
+  PinholeCamera color, depth;
+  SE3 T_color_depth;
+};
+
+/// Returns the factory calibration for images of these sizes; the sensor's mode follows from the size. Throws
+/// InputError for anything that is not such a calibration, and for sizes that no mode has.
+AzureCalibration read_azure_calibration(const std::string& json, cv::Size color, cv::Size depth);
 
 }  // namespace kinloop

@@ -1,4 +1,4 @@
-#include "drivers/datasets/reading/video_reader.hpp"
+#include "drivers/datasets/reading/images/video_reader.hpp"
 
 #include <vector>
 

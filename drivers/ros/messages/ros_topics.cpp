@@ -1,4 +1,4 @@
-#include "drivers/ros/ros_topics.hpp"
+#include "drivers/ros/messages/ros_topics.hpp"
 
 #include <algorithm>
 #include <iterator>
