@@ -72,8 +72,9 @@ void make_mesh(MeshArguments arguments) {
   const DenseCamera camera = open.dense_camera();
   const auto views = open.recorder.with_color_gains(open.views(0), camera, arguments.threads);
   require_images(views.size(), arguments.map);
-  const auto [mesh, texture] = reconstruct_textured_mesh(
-      open.recorder.images(), views, camera, options, arguments.threads, make_progress_bar(arguments.quiet));
+  const auto [mesh, texture] =
+      reconstruct_textured_mesh({open.recorder.images(), views, camera}, options, arguments.threads,
+                                make_progress_bar(arguments.quiet));
   const FileFrame frame = file_frame(arguments.frame, open.up(0), views);
   if (texture) {
     write_mesh(arguments.output, mesh, *texture, frame);

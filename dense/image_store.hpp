@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "dense/posed_image.hpp"
 #include "kinloop/sensor/images/encoded_images.hpp"
 
 namespace kinloop {
@@ -79,6 +81,13 @@ class ImageStore {
   ImageEncoding encoding_;
   std::vector<Size> sizes_;
   ByteStore bytes_;  // alternating colour and depth
+};
+
+/// The stored images of a map with their poses, and the camera that took them.
+struct StoredViews {
+  const ImageStore& images;
+  std::span<const PosedImage> views;
+  DenseCamera camera;
 };
 
 }  // namespace kinloop

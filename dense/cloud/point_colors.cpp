@@ -75,10 +75,10 @@ std::optional<Rgb> color_of(const ColorSum& sum) {
 
 std::vector<std::optional<Rgb>> observed_colors(std::span<const Eigen::Vector3f> points,
                                                 std::span<const Eigen::Vector3f> normals,
-                                                const ImageStore& images, std::span<const PosedImage> views,
-                                                const DenseCamera& camera, int threads,
+                                                const StoredViews& stored, int threads,
                                                 const Progress& progress) {
   require(points.size() == normals.size(), "observed_colors: expected one normal per point");
+  const std::span<const PosedImage> views = stored.views;
   std::vector<ColorSum> sums(points.size(), ColorSum::Zero());
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<ColoringImage> batch(batch_size);
@@ -89,14 +89,15 @@ std::vector<std::optional<Rgb>> observed_colors(std::span<const Eigen::Vector3f>
       for (size_t i = begin; i < end; ++i) {
         const PosedImage& view = views[first + i];
         const float gain = view.color_gain.mean();
-        batch[i] = {images.load(view.image), view.T_world_camera.inverse(), view.velocity, 0,
+        batch[i] = {stored.images.load(view.image), view.T_world_camera.inverse(), view.velocity, 0,
                     view.color_gain.reverse()};
         batch[i].sharpness = gain * gain * image_sharpness(batch[i].images.color);
       }
     });
     parallel_for(points.size(), threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        for (size_t k = 0; k < count; ++k) sums[i] += observe_color(batch[k], points[i], normals[i], camera);
+        for (size_t k = 0; k < count; ++k)
+          sums[i] += observe_color(batch[k], points[i], normals[i], stored.camera);
       }
     });
   }
@@ -108,13 +109,12 @@ std::vector<std::optional<Rgb>> observed_colors(std::span<const Eigen::Vector3f>
 }
 
 std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
-                              std::span<const Eigen::Vector3f> normals, const ImageStore& images,
-                              std::span<const PosedImage> views, const DenseCamera& camera, int threads,
-                              const Progress& progress) {
+                              std::span<const Eigen::Vector3f> normals, const StoredViews& stored,
+                              int threads, const Progress& progress) {
   constexpr Rgb kGrey = {128, 128, 128};
   std::vector<Rgb> colors;
   colors.reserve(points.size());
-  for (const auto& color : observed_colors(points, normals, images, views, camera, threads, progress))
+  for (const auto& color : observed_colors(points, normals, stored, threads, progress))
     colors.push_back(color.value_or(kGrey));
   return colors;
 }

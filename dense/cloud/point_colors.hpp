@@ -16,14 +16,12 @@ namespace kinloop {
 /// Returns nullopt for a point that no image sees. The result does not depend on `threads`.
 std::vector<std::optional<Rgb>> observed_colors(std::span<const Eigen::Vector3f> points,
                                                 std::span<const Eigen::Vector3f> normals,
-                                                const ImageStore& images, std::span<const PosedImage> views,
-                                                const DenseCamera& camera, int threads,
+                                                const StoredViews& stored, int threads,
                                                 const Progress& progress = {});
 
 /// Same, with grey for a point that no image sees.
 std::vector<Rgb> color_points(std::span<const Eigen::Vector3f> points,
-                              std::span<const Eigen::Vector3f> normals, const ImageStore& images,
-                              std::span<const PosedImage> views, const DenseCamera& camera, int threads,
-                              const Progress& progress = {});
+                              std::span<const Eigen::Vector3f> normals, const StoredViews& stored,
+                              int threads, const Progress& progress = {});
 
 }  // namespace kinloop

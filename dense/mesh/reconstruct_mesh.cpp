@@ -29,10 +29,10 @@ cv::Mat corrected_depth(cv::Mat depth_m, const DenseCamera& camera) {
 }
 
 /// Calls `use` with every view in order; `threads` threads decode ahead.
-void for_each_view(const ImageStore& images, std::span<const PosedImage> views, const DenseCamera& camera,
-                   const MeshOptions& options, int threads,
+void for_each_view(const StoredViews& stored, const MeshOptions& options, int threads,
                    const std::function<bool(size_t index, const UndistortedDepth& view)>& use) {
-  const cv::Mat raw_pixels = undistortion_of(camera.color);
+  const std::span<const PosedImage> views = stored.views;
+  const cv::Mat raw_pixels = undistortion_of(stored.camera.color);
   const DepthLimits& limits = options.limits;
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<UndistortedDepth> batch(batch_size);
@@ -40,9 +40,10 @@ void for_each_view(const ImageStore& images, std::span<const PosedImage> views, 
     const size_t count = std::min(batch_size, views.size() - first);
     parallel_for(count, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        const cv::Mat depth_m = images.load(views[first + i].image).depth_m;
-        const cv::Mat usable = undistorted(usable_pixels(depth_m, camera.color.fx, limits), raw_pixels);
-        batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), camera), usable,
+        const cv::Mat depth_m = stored.images.load(views[first + i].image).depth_m;
+        const cv::Mat usable =
+            undistorted(usable_pixels(depth_m, stored.camera.color.fx, limits), raw_pixels);
+        batch[i] = {corrected_depth(undistorted(depth_m, raw_pixels), stored.camera), usable,
                     views[first + i].T_world_camera, views[first + i].velocity,
                     views[first + i].depth_stamp_difference_s};
       }
@@ -68,26 +69,25 @@ ColoredMesh simplified_as_asked(const ColoredMesh& mesh, const MeshOptions& opti
 
 }  // namespace
 
-ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImage> views,
-                             const DenseCamera& camera, const MeshOptions& options, int threads,
+ColoredMesh reconstruct_mesh(const StoredViews& stored, const MeshOptions& options, int threads,
                              const Progress& progress) {
   validate(options, "mesh.");
   validate(options.limits, "mesh.");
   if (options.triangles > 0 || options.manifold) require_mesh_simplification();
-  TsdfVolume volume(camera, options);
+  TsdfVolume volume(stored.camera, options);
   // Two passes over the images, so that earlier views can also carve away what later ones saw only briefly.
-  for_each_view(images, views, camera, options, threads, [&](size_t, const UndistortedDepth& view) {
+  for_each_view(stored, options, threads, [&](size_t, const UndistortedDepth& view) {
     volume.allocate_blocks(view);
     return true;
   });
-  for_each_view(images, views, camera, options, threads, [&](size_t index, const UndistortedDepth& view) {
+  for_each_view(stored, options, threads, [&](size_t index, const UndistortedDepth& view) {
     volume.integrate(view, threads);
-    return report(progress, "meshing", index + 1, views.size());
+    return report(progress, "meshing", index + 1, stored.views.size());
   });
   const ColoredMesh measured =
       remove_small_components(volume.surface(), static_cast<size_t>(options.min_component_triangles));
   ColoredMesh mesh = simplified_as_asked(measured, options);
-  mesh.colors = color_points(mesh.points, vertex_normals(mesh), images, views, camera, threads, progress);
+  mesh.colors = color_points(mesh.points, vertex_normals(mesh), stored, threads, progress);
   return mesh;
 }
 

@@ -12,8 +12,7 @@ namespace kinloop {
 
 /// Returns the surfaces that the views saw, without moving objects. The result does not depend on `threads`.
 /// Throws UsageError if the build has no OpenVDB, or no CGAL where `options` need it.
-ColoredMesh reconstruct_mesh(const ImageStore& images, std::span<const PosedImage> views,
-                             const DenseCamera& camera, const MeshOptions& options, int threads,
+ColoredMesh reconstruct_mesh(const StoredViews& stored, const MeshOptions& options, int threads,
                              const Progress& progress = {});
 
 }  // namespace kinloop

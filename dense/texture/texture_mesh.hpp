@@ -19,8 +19,7 @@ constexpr int kMinTexturePx = 64;
 /// sees it best, with levelled seams. Triangles that no view sees have the colours of their vertices.
 /// Exposure is compensated by the gains of the views. The result does not depend on `threads`. Throws
 /// UsageError if the atlas would be too small for the pieces.
-MeshTexture texture_mesh(const ColoredMesh& mesh, const ImageStore& images, std::span<const PosedImage> views,
-                         const DenseCamera& camera, int max_size_px, int threads,
+MeshTexture texture_mesh(const ColoredMesh& mesh, const StoredViews& stored, int max_size_px, int threads,
                          const Progress& progress = {});
 
 /// A mesh with a texture, if it has one.
@@ -31,8 +30,7 @@ struct TexturedMesh {
 
 /// Returns the mesh of reconstruct_mesh, with a texture if `options.texture_px` is not 0. Throws UsageError
 /// if that size is too small, and as both functions.
-TexturedMesh reconstruct_textured_mesh(const ImageStore& images, std::span<const PosedImage> views,
-                                       const DenseCamera& camera, const MeshOptions& options, int threads,
+TexturedMesh reconstruct_textured_mesh(const StoredViews& stored, const MeshOptions& options, int threads,
                                        const Progress& progress = {});
 
 }  // namespace kinloop

@@ -173,9 +173,9 @@ void distrust_outliers(std::vector<ViewCandidate>& candidates) {
 
 }  // namespace
 
-ViewCandidates find_view_candidates(const ColoredMesh& mesh, const ImageStore& images,
-                                    std::span<const PosedImage> views, const DenseCamera& camera, int threads,
+ViewCandidates find_view_candidates(const ColoredMesh& mesh, const StoredViews& stored, int threads,
                                     const Progress& progress) {
+  const std::span<const PosedImage> views = stored.views;
   ViewCandidates candidates(mesh.triangles.size());
   const auto batch_size = static_cast<size_t>(std::max(threads, 1));
   std::vector<JudgedView> batch(batch_size);
@@ -184,13 +184,13 @@ ViewCandidates find_view_candidates(const ColoredMesh& mesh, const ImageStore& i
     const size_t count = std::min(batch_size, views.size() - first);
     parallel_for(count, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i)
-        batch[i] = judged(images.load(views[first + i].image), views[first + i], mesh, camera);
+        batch[i] = judged(stored.images.load(views[first + i].image), views[first + i], mesh, stored.camera);
     });
     parallel_for(candidates.size(), threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         for (size_t k = 0; k < count; ++k) {
           const auto number = static_cast<uint32_t>(first + k);
-          if (const auto found = candidate(batch[k], number, mesh, mesh.triangles[i], camera))
+          if (const auto found = candidate(batch[k], number, mesh, mesh.triangles[i], stored.camera))
             keep_best(candidates[i], *found);
         }
       }

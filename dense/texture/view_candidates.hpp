@@ -35,8 +35,7 @@ using ViewCandidates = std::vector<std::vector<ViewCandidate>>;
 /// exposure, and distance from its border. What the mesh or the measured depth hides is no candidate; a view
 /// in which the triangle has another colour than in most others, as where someone walked by, is a bad one.
 /// The result does not depend on `threads`.
-ViewCandidates find_view_candidates(const ColoredMesh& mesh, const ImageStore& images,
-                                    std::span<const PosedImage> views, const DenseCamera& camera, int threads,
+ViewCandidates find_view_candidates(const ColoredMesh& mesh, const StoredViews& stored, int threads,
                                     const Progress& progress = {});
 
 }  // namespace kinloop

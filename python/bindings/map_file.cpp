@@ -57,7 +57,7 @@ PyMesh map_mesh(PyMap& map, const py::kwargs& keywords) {
     const MeshOptions options = run_options_with(open.options, assignments).mesh;
     const DenseCamera camera = open.dense_camera();
     const auto views = open.recorder.with_color_gains(open.views(0), camera, hardware_threads());
-    return PyMesh{reconstruct_textured_mesh(open.recorder.images(), views, camera, options,
+    return PyMesh{reconstruct_textured_mesh({open.recorder.images(), views, camera}, options,
                                             hardware_threads(), progress.function()),
                   map_frame(open)};
   });

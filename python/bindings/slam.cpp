@@ -125,7 +125,7 @@ TexturedMesh Run::reconstruct(const MeshOptions& options, const Progress& progre
   const std::lock_guard lock(mutex_);
   const DenseCamera camera = dense_camera(camera_, slam_->sensor_estimate());
   const auto views = recorder_->with_color_gains(recorder_->views(*slam_), camera, threads_);
-  return reconstruct_textured_mesh(recorder_->images(), views, camera, options, threads_, progress);
+  return reconstruct_textured_mesh({recorder_->images(), views, camera}, options, threads_, progress);
 }
 
 UpEstimate Run::up() {

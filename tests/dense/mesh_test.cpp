@@ -83,7 +83,7 @@ TEST(Mesh, LiesOnTheSurfaces) {
   for (const double noise_share : {0.0, 1.0}) {
     const BallScene scene = scene_of(std::vector<bool>(9, true), noise_share);
     const auto mesh =
-        reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+        reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, some_options(), 2);
     ASSERT_GT(mesh.triangles.size(), 3000U);
     std::vector<double> off_m;
     for (const auto& point : mesh.points) off_m.push_back(off_surface_m(point));
@@ -106,7 +106,7 @@ TEST(Mesh, DeskewsDelayedDepth) {
       view.velocity = ahead;
     }
     std::vector<double> off_m;
-    for (const auto& point : reconstruct_mesh(scene.images, scene.views, camera, some_options(), 2).points)
+    for (const auto& point : reconstruct_mesh({scene.images, scene.views, camera}, some_options(), 2).points)
       off_m.push_back(off_surface_m(point));
     std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
     return off_m.at(off_m.size() / 2);
@@ -118,7 +118,8 @@ TEST(Mesh, DeskewsDelayedDepth) {
 TEST(Mesh, TrianglesFaceTheFreeSide) {
   SKIP_WITHOUT_OPENVDB();
   const BallScene scene = scene_of(std::vector<bool>(5, true));
-  const auto mesh = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+  const auto mesh =
+      reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, some_options(), 2);
   const auto normals = vertex_normals(mesh);
   size_t towards = 0;
   for (size_t i = 0; i < normals.size(); ++i) towards += normals[i].dot(mesh.points[i]) < 0 ? 1 : 0;
@@ -128,7 +129,8 @@ TEST(Mesh, TrianglesFaceTheFreeSide) {
 TEST(Mesh, TakesItsColoursFromTheImages) {
   SKIP_WITHOUT_OPENVDB();
   const BallScene scene = scene_of(std::vector<bool>(5, true));
-  const auto mesh = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+  const auto mesh =
+      reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, some_options(), 2);
   size_t right = 0, judged = 0;
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     if (off_surface_m(mesh.points[i]) > 0.005) continue;
@@ -144,7 +146,7 @@ TEST(Mesh, IsSimplifiedOnRequest) {
   MeshOptions options = some_options();
   options.triangles = 1000;
   const auto make = [&] {
-    return reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, options, 2);
+    return reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, options, 2);
   };
   if (!mesh_simplification_available()) {
     EXPECT_THROW(make(), UsageError);
@@ -172,7 +174,7 @@ TEST(Mesh, RemovesTransientObjects) {
     with_ball[moment] = true;
     const BallScene scene = scene_of(with_ball);
     const auto mesh =
-        reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 2);
+        reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, some_options(), 2);
     ASSERT_GT(mesh.points.size(), 1000U);
     EXPECT_EQ(std::count_if(mesh.points.begin(), mesh.points.end(), on_ball), 0) << moment;
   }
@@ -181,8 +183,10 @@ TEST(Mesh, RemovesTransientObjects) {
 TEST(Mesh, DoesNotDependOnThreads) {
   SKIP_WITHOUT_OPENVDB();
   const BallScene scene = scene_of(std::vector<bool>(5, true), 1);
-  const auto one = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 1);
-  const auto four = reconstruct_mesh(scene.images, scene.views, {.color = small_camera()}, some_options(), 4);
+  const auto one =
+      reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, some_options(), 1);
+  const auto four =
+      reconstruct_mesh({scene.images, scene.views, {.color = small_camera()}}, some_options(), 4);
   EXPECT_EQ(one.points, four.points);
   EXPECT_EQ(one.colors, four.colors);
   EXPECT_EQ(one.triangles, four.triangles);
@@ -219,7 +223,7 @@ TEST(PointColors, TheSharpestImageMakesTheColour) {
   const Eigen::Vector3f point =
       small_camera().unproject({76, 60}, 1.0).cast<float>();  // inside a light square
   const std::vector<Eigen::Vector3f> points = {point, unseen}, normals(2, Eigen::Vector3f(0, 0, -1));
-  const auto colors = color_points(points, normals, images, views, {.color = small_camera()}, 1);
+  const auto colors = color_points(points, normals, {images, views, {.color = small_camera()}}, 1);
   EXPECT_GT(colors[0][0], 200);
   EXPECT_EQ(colors[1], (Rgb{128, 128, 128}));
 }

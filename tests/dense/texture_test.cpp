@@ -80,7 +80,7 @@ struct StripedScene {
   }
 
   [[nodiscard]] MeshTexture texture(const ColoredMesh& mesh, int max_size_px = 1024, int threads = 1) const {
-    return texture_mesh(mesh, images, views, camera, max_size_px, threads);
+    return texture_mesh(mesh, {images, views, camera}, max_size_px, threads);
   }
 };
 
@@ -152,7 +152,7 @@ TEST(TextureMesh, ShowsAWallOfTwoExposuresBetterThanVertexColours) {
   scene.add(camera_at_x(0.3), 1 / kExposure);
   scene.compensate_exposure();
   ColoredMesh mesh = wall_mesh(12, 0.1);
-  mesh.colors = color_points(mesh.points, vertex_normals(mesh), scene.images, scene.views, scene.camera, 1);
+  mesh.colors = color_points(mesh.points, vertex_normals(mesh), {scene.images, scene.views, scene.camera}, 1);
   const MeshTexture texture = scene.texture(mesh);
   EXPECT_EQ(texture.unseen_triangles, 0U);
   EXPECT_EQ(texture.charts, 2U) << "one of each view";
@@ -284,8 +284,9 @@ TEST(TextureMesh, IsScaledToTheSizeThatIsAskedFor) {
   EXPECT_LT(rms_error(mesh, small), 20);
   MeshOptions options;
   options.texture_px = kMinTexturePx - 1;
-  EXPECT_THAT(test::usage_error(
-                  [&] { reconstruct_textured_mesh(scene.images, scene.views, scene.camera, options, 1); }),
+  EXPECT_THAT(test::usage_error([&] {
+                reconstruct_textured_mesh({scene.images, scene.views, scene.camera}, options, 1);
+              }),
               HasSubstr("at least 64"));
 }
 

@@ -222,16 +222,17 @@ std::span<const Contribution> of_one_view(const std::vector<Contribution>& all, 
 
 }  // namespace
 
-cv::Mat paint_atlas(const AtlasContent& content, const ImageStore& images, std::span<const PosedImage> views,
-                    const DenseCamera& camera, int threads, const Progress& progress) {
-  AtlasPainter painter(content, camera);
+cv::Mat paint_atlas(const AtlasContent& content, const StoredViews& stored, int threads,
+                    const Progress& progress) {
+  const std::span<const PosedImage> views = stored.views;
+  AtlasPainter painter(content, stored.camera);
   const std::vector<Contribution> contributions = contributions_of(content);
   for (size_t begin = 0; begin < contributions.size();) {
     const auto part = of_one_view(contributions, begin);
     if (!report(progress, "painting", part.front().view, views.size())) break;
     const PosedImage& view = views[part.front().view];
-    const SourceView source{images.load(view.image).color, view.T_world_camera.inverse(), view.velocity,
-                            view.color_gain.reverse()};
+    const SourceView source{stored.images.load(view.image).color, view.T_world_camera.inverse(),
+                            view.velocity, view.color_gain.reverse()};
     // A pixel belongs to one triangle, which appears once in a view.
     parallel_for(part.size(), threads, [&](size_t first, size_t last) {
       for (size_t i = first; i < last; ++i) painter.add(part[i], source);
@@ -239,7 +240,7 @@ cv::Mat paint_atlas(const AtlasContent& content, const ImageStore& images, std::
     begin += part.size();
   }
   const LoosePixels loose = painter.loose_pixels();
-  const auto colors = observed_colors(loose.points, loose.normals, images, views, camera, threads, progress);
+  const auto colors = observed_colors(loose.points, loose.normals, stored, threads, progress);
   for (size_t i = 0; i < colors.size(); ++i)
     painter.set(loose.pixels[i], colors[i].value_or(loose.vertex_colors[i]));
   auto [image, painted] = painter.result();

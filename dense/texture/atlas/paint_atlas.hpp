@@ -22,8 +22,8 @@ struct AtlasContent {
 /// both. A triangle without a view is coloured point by point, as by color_points, and where nothing sees a
 /// point, by its vertices. What no chart covers continues the charts around it. Memory: 10 bytes for each
 /// pixel of the atlas, and an image for each thread. The result does not depend on `threads`.
-cv::Mat paint_atlas(const AtlasContent& content, const ImageStore& images, std::span<const PosedImage> views,
-                    const DenseCamera& camera, int threads, const Progress& progress = {});
+cv::Mat paint_atlas(const AtlasContent& content, const StoredViews& stored, int threads,
+                    const Progress& progress = {});
 
 /// Shares of the corners of a triangle at a place of its plane in the atlas; outside the triangle some are
 /// negative.
