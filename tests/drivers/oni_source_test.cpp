@@ -89,7 +89,7 @@ class OniRecordingTest : public testing::Test {
   const test::TempFolder folder;
 };
 
-double difference(const cv::Mat& a, const cv::Mat& b) {
+double largest_difference(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF);
 }
 
@@ -105,10 +105,10 @@ TEST_F(OniRecordingTest, GivesTheFramesWithBothStamps) {
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->stamp_ns, static_cast<int64_t>(1000 * kPeriod_us * (i + 1)));
     EXPECT_EQ(frame->depth_stamp_ns, frame->stamp_ns + static_cast<int64_t>(1000 * kDepthDelay_us));
-    EXPECT_EQ(difference(frame->color.bgr(), test::make_color(static_cast<int>(i))), 0);
+    EXPECT_EQ(largest_difference(frame->color.bgr(), test::make_color(static_cast<int>(i))), 0);
     cv::Mat expected_m;
     depth_image(i).convertTo(expected_m, CV_32FC1, 1e-3);
-    EXPECT_LT(difference(frame->depth_m, expected_m), 1e-6);
+    EXPECT_LT(largest_difference(frame->depth_m, expected_m), 1e-6);
   }
   EXPECT_FALSE(source->next());
   EXPECT_THAT(source->skipped(), SizeIs(0));
@@ -123,16 +123,16 @@ TEST_F(OniRecordingTest, MirroredImagesAreUnmirrored) {
   cv::Mat color, depth_m;
   cv::flip(plain->color.bgr(), color, 1);
   cv::flip(plain->depth_m, depth_m, 1);
-  EXPECT_EQ(difference(mirrored->color.bgr(), color), 0);
-  EXPECT_EQ(difference(mirrored->depth_m, depth_m), 0);
+  EXPECT_EQ(largest_difference(mirrored->color.bgr(), color), 0);
+  EXPECT_EQ(largest_difference(mirrored->depth_m, depth_m), 0);
 }
 
 TEST_F(OniRecordingTest, ReadsTheOlderFormat) {
   const auto newer = open(oni_bytes({}))->next(), older = open(in_older_format(oni_bytes({})))->next();
   ASSERT_TRUE(newer && older);
   EXPECT_EQ(older->stamp_ns, newer->stamp_ns);
-  EXPECT_EQ(difference(older->color.bgr(), newer->color.bgr()), 0);
-  EXPECT_EQ(difference(older->depth_m, newer->depth_m), 0);
+  EXPECT_EQ(largest_difference(older->color.bgr(), newer->color.bgr()), 0);
+  EXPECT_EQ(largest_difference(older->depth_m, newer->depth_m), 0);
 }
 
 TEST_F(OniRecordingTest, ReadsJpegAndDepthInTenthsOfMillimetres) {
@@ -142,9 +142,10 @@ TEST_F(OniRecordingTest, ReadsJpegAndDepthInTenthsOfMillimetres) {
   const auto frame = open(oni_bytes(parts))->next();
   ASSERT_TRUE(frame);
   const std::string jpeg = color_bytes(0, parts);
-  EXPECT_EQ(difference(frame->color.bgr(),
-                       cv::imdecode(std::vector<uint8_t>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR)),
-            0);
+  EXPECT_EQ(
+      largest_difference(frame->color.bgr(),
+                         cv::imdecode(std::vector<uint8_t>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR)),
+      0);
   EXPECT_NEAR(frame->depth_m.at<float>(2, 4), 0.4321, 1e-6);
 }
 

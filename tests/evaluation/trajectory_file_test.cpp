@@ -17,9 +17,9 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kPoses = 40;
-constexpr int64_t kStartNs = 1'403'636'579 * kNsPerSecond + 763'555'584;
-constexpr int64_t kFrameNs = 50'000'000;
+constexpr int kFilePoses = 40;
+constexpr int64_t kFileStartNs = 1'403'636'579 * kNsPerSecond + 763'555'584;
+constexpr int64_t kFileStepNs = 50'000'000;
 
 /// The i-th pose; `first_angle_rad` 0 makes the first one the identity.
 SE3 pose(int i, double first_angle_rad = 0.4) {
@@ -27,13 +27,13 @@ SE3 pose(int i, double first_angle_rad = 0.4) {
 }
 
 int64_t stamp_ns(int i) {
-  return kStartNs + i * kFrameNs;
+  return kFileStartNs + i * kFileStepNs;
 }
 
 /// Lines that `line(i)` returns for each pose.
 std::string lines(const std::function<std::string(int)>& line) {
   std::string text;
-  for (int i = 0; i < kPoses; ++i) text += line(i) + "\n";
+  for (int i = 0; i < kFilePoses; ++i) text += line(i) + "\n";
   return text;
 }
 
@@ -76,8 +76,8 @@ class TrajectoryFiles : public testing::Test {
   }
 
   static void expect_poses(const TrajectoryFile& file, double first_angle_rad = 0.4, int64_t within_ns = 0) {
-    ASSERT_EQ(file.poses.size(), static_cast<size_t>(kPoses));
-    for (int i = 0; i < kPoses; ++i) {
+    ASSERT_EQ(file.poses.size(), static_cast<size_t>(kFilePoses));
+    for (int i = 0; i < kFilePoses; ++i) {
       const auto& found = file.poses[static_cast<size_t>(i)];
       EXPECT_LE(std::abs(found.stamp_ns - stamp_ns(i)), within_ns) << i;
       EXPECT_LT((found.T_world_camera.inverse() * pose(i, first_angle_rad)).log().norm(), 1e-7) << i;
@@ -116,9 +116,9 @@ TEST_F(TrajectoryFiles, TumInNanoseconds) {
 
 TEST_F(TrajectoryFiles, StampsFromZeroInMillisecondsAndNanoseconds) {
   for (const auto& [unit_ns, name] : {std::pair{1'000'000, "ms"}, std::pair{1, "ns"}}) {
-    const auto file =
-        read(lines([&](int i) { return fmt::format("{} {}", i * kFrameNs / unit_ns, pose_text(pose(i))); }));
-    EXPECT_EQ(file.poses[3].stamp_ns, 3 * kFrameNs) << name;
+    const auto file = read(
+        lines([&](int i) { return fmt::format("{} {}", i * kFileStepNs / unit_ns, pose_text(pose(i))); }));
+    EXPECT_EQ(file.poses[3].stamp_ns, 3 * kFileStepNs) << name;
   }
 }
 
@@ -198,7 +198,7 @@ TEST_F(TrajectoryFiles, SeveralTrajectoriesInOneFileAreAnError) {
 }
 
 TEST_F(TrajectoryFiles, LinesOutOfOrderAreSorted) {
-  const auto file = read(lines([](int i) { return tum_line(kPoses - 1 - i); }));
+  const auto file = read(lines([](int i) { return tum_line(kFilePoses - 1 - i); }));
   expect_poses(file);
   EXPECT_THAT(file.notes, testing::ElementsAre("lines are not in order of time, and were sorted"));
 }
