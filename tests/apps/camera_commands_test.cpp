@@ -123,11 +123,14 @@ TEST_F(CameraCommands, RecordGivesTheSameSequenceBack) {
   EXPECT_THAT(recorded.out, HasSubstr("6 frames"));
   ASSERT_EQ(run("record '" + at("b") + "' -o '" + at("c") + "' --threads 1").exit_code, kDone);
   EXPECT_EQ(read_file(at("b/rgb.txt")), read_file(at("a/rgb.txt")));
+  size_t images = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(at("b"))) {
     if (!entry.is_regular_file()) continue;
     const auto name = std::filesystem::relative(entry.path(), at("b"));
     EXPECT_EQ(read_file(entry.path()), read_file(std::filesystem::path(at("c")) / name)) << name;
+    images += name.has_parent_path() ? 1 : 0;
   }
+  EXPECT_EQ(images, 12U) << "of colour and depth";
 }
 
 TEST_F(CameraCommands, SimulatesADepthCameraOfItsOwn) {
@@ -164,10 +167,13 @@ TEST_F(CameraCommands, RecordAsOneFileGivesTheSameSequence) {
     EXPECT_EQ(read_file(std::filesystem::path(at("c")) / list),
               read_file(std::filesystem::path(at("b")) / list));
   for (const char* images : {"b/rgb", "b/depth"}) {
+    size_t compared = 0;
     for (const auto& entry : std::filesystem::directory_iterator(at(images))) {
       const auto name = std::filesystem::relative(entry.path(), at("b"));
       EXPECT_EQ(read_file(entry.path()), read_file(std::filesystem::path(at("c")) / name)) << name;
+      ++compared;
     }
+    EXPECT_EQ(compared, 6U) << images;
   }
   const Run again = run("record '" + at("a") + "' -o '" + at("m.mcap") + "'");
   EXPECT_EQ(again.exit_code, kBadInput);

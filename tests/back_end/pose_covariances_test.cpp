@@ -117,6 +117,7 @@ TEST(PoseCovariances, AreUnknownForLostFramesAndUnobservedKeyframes) {
   const auto found = pose_covariances(chain.log, chain.map, chain.of_residuals);
   EXPECT_TRUE(found.frames[10].isZero(0));
   EXPECT_TRUE(found.frames[50 * kInterval + 1].isZero(0));
+  ASSERT_EQ(found.frames.size(), chain.log.size());
   for (const Matrix6d& covariance : found.frames) EXPECT_TRUE(covariance.allFinite());
 }
 

@@ -49,6 +49,7 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
   const FrameLog& tracked = run().slam.log();
   const FrameLog limited = limited_log({kKept, 100});
   const FrameLog limited_end = finished(limited), unlimited_end = finished(tracked);
+  ASSERT_EQ(limited.size(), tracked.size());
   double moved_m = 0, off_m = 0;
   for (size_t i = 0; i < limited.size(); ++i) {
     SCOPED_TRACE(i);
@@ -67,6 +68,7 @@ TEST(LogLimiter, RefinesOldFramesAsTheEndOfTheRunWould) {
 
 TEST(LogLimiter, ChangesNothingWithinItsLimits) {
   const FrameLog limited = limited_log({run().slam.log().size(), 100});
+  ASSERT_EQ(limited.size(), run().slam.log().size());
   for (size_t i = 0; i < limited.size(); ++i) {
     EXPECT_EQ(limited[i].measurements.size(), run().slam.log()[i].measurements.size());
     EXPECT_EQ(limited[i].T_reference_camera.translation, run().slam.log()[i].T_reference_camera.translation);

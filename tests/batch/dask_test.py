@@ -77,6 +77,7 @@ class Parquet(BatchTest):
     def test_parquet_has_the_rows_of_the_csv(self):
         self.run_suite("sequences: ['sim:room:1..3']\nvariants: {a: {set: {fake.do: no_truth}}, b: }\n")
         table = pyarrow.parquet.read_table(self.results / "runs.parquet").to_pylist()
+        self.assertEqual(len(table), 6)
         for row, expected in zip(table, self.rows(), strict=True):
             self.assertEqual(list(row), list(expected))
             self.assertEqual(row["seed"], expected["seed"])

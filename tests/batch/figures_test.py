@@ -91,6 +91,7 @@ class Documents(unittest.TestCase):
         sys.path.insert(0, str(SOURCE / "scripts"))
         import update_figures
 
+        self.assertTrue(update_figures.DOCUMENTS)
         for path in update_figures.DOCUMENTS:
             self.assertTrue(update_figures.read_document(path))
 

@@ -135,7 +135,7 @@ async function checkTimeline(page, open, shoot) {
   for (const image of ['#colorImage', '#otherImage']) await until(async () => (await paintedPixels(page, image)) > 5000, image);
   assert.match(await page.textContent('#colorImage + figcaption'), /^keyframe \d+ of before/);
   assert.match(await page.textContent('#otherImage + figcaption'), /^keyframe \d+ of after/);
-  await until(() => page.evaluate(() => window.kinloop.world.cameras.every(({ picture }) => picture.visible)), 'they are in the frusta, too');
+  await until(() => page.evaluate(() => window.kinloop.world.cameras.length === 2 && window.kinloop.world.cameras.every(({ picture }) => picture.visible)), 'they are in the frusta, too');
 
   // By pointer, and a link to the moment.
   const { x, y, width, height } = await page.locator('#bar').boundingBox();

@@ -12,7 +12,7 @@ const FEW_FRAMES = 60;
 const meshIsAtKeyframes = (page) =>
   page.evaluate(() => {
     const { world } = window.kinloop;
-    return [...world.meshPieces.values()].every(({ object, anchor }) => {
+    return world.meshPieces.size > 0 && [...world.meshPieces.values()].every(({ object, anchor }) => {
       const pose = world.poses.at(anchor);
       return pose && object.matrix.equals(pose.clone().multiply(object.userData.toAnchor));
     });

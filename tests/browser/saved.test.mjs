@@ -211,6 +211,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     assert.deepEqual(headings, ['Map', '3D map', 'Trajectory', 'Absolute trajectory error', 'Loop closures', 'Tracking', 'CPU time per module', 'Configuration']);
     const width = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(width <= 0, `${name}: nothing sticks out at the side, ${width} px`);
+    assert.ok((await page.locator('figure svg text').count()) > 20, `${name}: plots have texts`);
     assert.deepEqual(await hiddenTexts(page), [], `${name}: all texts of plots can be read`);
     assert.equal(await page.locator('svg path[d*="NaN"]').count(), 0);
     assert.match(await page.locator('header .verdict').textContent(), /^quality: (good|doubtful|bad)/);

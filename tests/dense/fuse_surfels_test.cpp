@@ -181,7 +181,9 @@ TEST(FuseSurfels, ColoursAreThoseOfTheSharpestViews) {
     }
     scene.add(seen, {});
   }
-  for (const Rgb& color : scene.fused().colors) {
+  const ColoredCloud fused = scene.fused();
+  ASSERT_GT(fused.colors.size(), 1000U);
+  for (const Rgb& color : fused.colors) {
     EXPECT_GE(color[0], 95);
     EXPECT_LE(color[2], 5);
   }

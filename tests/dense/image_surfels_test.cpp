@@ -147,7 +147,9 @@ TEST(ImageSurfels, FlyingPixelsBetweenTwoSurfacesAreLeftOut) {
   auto images = view_of_wall(small_camera(), {}, 3, {});
   images.depth_m.colRange(0, 80).setTo(1.0F);
   images.depth_m.col(80).setTo(2.0F);  // an intermediate depth
-  for (const auto& point : extract(images).points) {
+  const ImageSurfels surfels = extract(images);
+  ASSERT_GT(surfels.points.size(), 100U);
+  for (const auto& point : surfels.points) {
     const float z = 1 / point.inverse_depth;
     EXPECT_TRUE(std::abs(z - 1) < 0.01F || std::abs(z - 3) < 0.01F) << z;
   }

@@ -151,8 +151,12 @@ TEST(LiveMesh, LiesOnAWallThatTwoKeyframesSee) {
 TEST(LiveMesh, HasNormalsTrianglesAndColoursOfTheFreeSide) {
   Receiver seen;
   seen.add_wall(at(0));
+  ASSERT_FALSE(seen.pieces().empty());
   for (const auto& [index, piece] : seen.pieces()) {
     const ColoredMesh& mesh = piece.surface.mesh;
+    ASSERT_FALSE(mesh.triangles.empty());
+    ASSERT_EQ(piece.surface.normals.size(), mesh.points.size());
+    ASSERT_EQ(mesh.colors.size(), mesh.points.size());
     for (const auto& normal : piece.surface.normals)
       EXPECT_LT((normal + Eigen::Vector3f::UnitZ()).norm(), 0.01F);
     for (const Rgb& color : mesh.colors) EXPECT_EQ(color, (Rgb{0, 200, 0}));
@@ -234,6 +238,7 @@ TEST(LiveMesh, ACorrectionChangesNoPiece) {
   for (SE3& pose : seen.poses()) pose = at(0, 0, 1) * pose;
   seen.mesh().correct(seen.poses());
   EXPECT_EQ(seen.take(true), 0U);
+  ASSERT_FALSE(seen.points().empty());
   for (const auto& p : seen.points()) EXPECT_NEAR(p.z(), kFrontWallZ_m + 1, 0.001);  // moved by poses alone
 }
 
@@ -267,6 +272,7 @@ TEST(LiveMesh, AViewThatDisagreesDoesNotSpoilASubmap) {
   Receiver seen;
   for (int view = 0; view < 4; ++view) seen.add_wall(at(0));
   const auto before = seen.pieces();
+  ASSERT_FALSE(before.empty());
   // After a round the pose has drifted by 15 cm: the wall seems to be elsewhere.
   seen.add(view_of_wall(small_camera(), at(0), kFrontWallZ_m, kGreen), at(0, 0, 0.15));
   seen.take(true);

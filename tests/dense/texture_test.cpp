@@ -311,6 +311,7 @@ TEST(AtlasLayout, TrianglesAreInsideTheirChartsWhichDoNotOverlap) {
   for (const int max_size_px : {1024, 200}) {
     const AtlasLayout layout = lay_out_atlas(mesh, chosen, views, small_camera(), max_size_px);
     EXPECT_LE(std::max(layout.size.width, layout.size.height), max_size_px);
+    ASSERT_EQ(layout.triangles.size(), mesh.triangles.size());
     for (size_t i = 0; i < layout.triangles.size(); ++i) {
       const cv::Rect& chart = layout.charts[layout.chart_of_triangle[i]];
       for (size_t k = 0; k < 3; ++k) {
@@ -325,6 +326,7 @@ TEST(AtlasLayout, TrianglesAreInsideTheirChartsWhichDoNotOverlap) {
       }
     }
     const cv::Rect atlas({}, layout.size);
+    ASSERT_GE(layout.charts.size(), views.size());
     for (size_t i = 0; i < layout.charts.size(); ++i) {
       EXPECT_EQ(layout.charts[i] & atlas, layout.charts[i]);
       for (size_t k = 0; k < i; ++k)
@@ -382,6 +384,7 @@ TEST(ChooseViews, FewSeamsUnlessTheyArePaidFor) {
     candidates[i] = {seen_by(3, i % 2 == 0 ? 1.1F : 1.0F), seen_by(7, 1.05F)};
   }
   auto chosen = choose_views(mesh, candidates);
+  ASSERT_EQ(chosen.size(), kCount);
   for (const uint32_t view : chosen) EXPECT_EQ(view, chosen.front());
 
   for (uint32_t i = 0; i < kCount; ++i) candidates[i][i < 15 ? 0 : 1].quality = 1e6F;  // clearly better

@@ -39,6 +39,7 @@ TEST(CameraFiles, TheSameCameraInEveryFormat) {
 }
 
 TEST(CameraFiles, EveryFormatHasASample) {
+  ASSERT_FALSE(camera_formats().empty());
   for (const CameraFormat& format : camera_formats()) {
     const auto& samples = test::camera_file_samples();
     const auto is_of_format = [&](const auto& sample) { return std::string(sample.format) == format.name; };

@@ -128,15 +128,20 @@ TEST(McapWriter, ChecksumsOfTheSectionsAreRight) {
   ASSERT_EQ(footer.opcode, kFooter);
   const auto summary = static_cast<size_t>(value_at<uint64_t>(file, footer.start));
   EXPECT_EQ(value_at<uint32_t>(file, footer.start + 16), crc_of_bytes(file, summary, footer.start + 16));
+  int ends = 0, offsets = 0;
   for (const FileRecord& record : records) {
     if (record.opcode == kDataEnd) {
+      ++ends;
       EXPECT_EQ(record.end(), summary);
       EXPECT_EQ(value_at<uint32_t>(file, record.start), crc_of_bytes(file, 0, record.start - kRecordStart));
     } else if (record.opcode == kSummaryOffset) {
+      ++offsets;
       const auto group = static_cast<size_t>(value_at<uint64_t>(file, record.start + 1));
       EXPECT_EQ(value_at<uint8_t>(file, group), value_at<uint8_t>(file, record.start));
     }
   }
+  EXPECT_EQ(ends, 1);
+  EXPECT_GE(offsets, 1);
 }
 
 TEST(McapWriter, WithoutCommitThereIsNoFile) {

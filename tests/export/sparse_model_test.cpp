@@ -147,8 +147,10 @@ TEST(ColmapModel, LeavesOutUnusablePosesPointsAndOutliers) {
   Scene scene;
   const size_t points = scene.model().points.size();
   scene.views[2].view.T_world_camera.translation.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(scene.model().images.size(), kViews);
-  for (const ModelPoint& point : scene.model().points) EXPECT_TRUE(point.p_file.allFinite());
+  const SparseModel without = scene.model();
+  EXPECT_EQ(without.images.size(), kViews);
+  ASSERT_FALSE(without.points.empty());
+  for (const ModelPoint& point : without.points) EXPECT_TRUE(point.p_file.allFinite());
   // A pose that is wrong by far agrees with nothing.
   scene = Scene();
   scene.views[1].view.T_world_camera.translation.x() += 1;
@@ -239,6 +241,7 @@ TEST(ModelImages, KeepsPinholeImagesAndColorsThePoints) {
     ASSERT_EQ(depth.type(), CV_16UC1);
     EXPECT_EQ(depth.at<uint16_t>(100, 200), 1000 + 100 * i);
   }
+  ASSERT_FALSE(model.points.empty());
   for (const ModelPoint& point : model.points) {
     double red = 0;
     for (const TrackElement& element : point.track) red += 30 + 10 * element.image;

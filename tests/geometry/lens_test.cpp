@@ -73,6 +73,7 @@ Samples samples_of(const PinholeCamera& c, double max_degrees) {
       samples.ideal.emplace_back(p.x(), p.y());
     }
   }
+  EXPECT_GT(samples.ideal.size(), 500U);
   return samples;
 }
 

@@ -117,6 +117,7 @@ TEST(TravelledDistances, AreTheShortestPaths) {
     const auto expected = all_distances(map);
     for (uint32_t from = 0; from < expected.size(); ++from) {
       const auto found = travelled_distances(map, KeyframeId{from});
+      ASSERT_EQ(found.size(), expected.size());
       for (size_t to = 0; to < found.size(); ++to) {
         if (std::isinf(expected[from][to])) {
           EXPECT_EQ(found[to], expected[from][to]);

@@ -119,6 +119,7 @@ TEST_F(FalseLoops, AmongTrueOnesExactlyTheFalseAreRejected) {
     EXPECT_THAT(correct().withdrawn, UnorderedElementsAreArray(expected));
     EXPECT_EQ(map_.loop_closures().size(), true_loops);
     EXPECT_LT(largest_error_m(), 0.03);
+    ASSERT_EQ(map_.other_loops().size(), expected.size());
     for (const LoopClosure& loop : map_.other_loops()) EXPECT_EQ(loop.stage, LoopStage::kRejected);
   }
 }

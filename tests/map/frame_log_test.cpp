@@ -55,6 +55,7 @@ TEST(RelocalizeLostFrames, ContinuesFromNeighborsInBothDirections) {
   log[0].lost = nullptr;  // nothing to search with
   log = relocalize_lost_frames(std::move(log), kHeight_px, search);
   EXPECT_EQ(found, (std::vector<std::pair<uint32_t, uint32_t>>{{2, 3}, {1, 2}, {4, 3}, {5, 4}}));
+  ASSERT_EQ(log.size(), 6U);
   for (size_t i = 1; i < log.size(); ++i) EXPECT_FALSE(log[i].is_lost()) << i;
   EXPECT_TRUE(log[0].is_lost());
 }

@@ -42,6 +42,8 @@ Recorded recorded_swing(double frames_per_s, int count = 60) {
 double shift_error_m_s(const Recorded& recorded) {
   const auto velocities = frame_velocities(recorded.log, recorded.map);
   double squares = 0;
+  EXPECT_EQ(velocities.size(), recorded.log.size());
+  EXPECT_GT(velocities.size(), 10U);
   for (size_t i = 1; i + 1 < velocities.size(); ++i) {
     const SE3 T_world_camera = recorded.log[i].world(recorded.map);
     const double truth =
@@ -59,7 +61,10 @@ TEST(FrameVelocities, AreEstimatedAtEightFramesPerSecond) {
 
 TEST(FrameVelocities, AreZeroAfterALongGap) {
   const Recorded recorded = recorded_swing(1);
-  for (const Velocity& velocity : frame_velocities(recorded.log, recorded.map)) {
+  const auto velocities = frame_velocities(recorded.log, recorded.map);
+  ASSERT_EQ(velocities.size(), recorded.log.size());
+  ASSERT_GT(velocities.size(), 2U);
+  for (const Velocity& velocity : velocities) {
     EXPECT_TRUE(velocity.vector().isZero(0));
   }
 }

@@ -58,6 +58,7 @@ TEST_F(LocalMapTest, IsConsistentWithTheMap) {
   const LocalMap local = make_local_map(map(), reference, {});
   EXPECT_EQ(local.reference, reference);
   EXPECT_EQ(local.features, map().keyframe(reference).features);
+  ASSERT_FALSE(local.ids.empty());
   for (uint32_t i = 0; i < local.size(); ++i) {
     const LocalView& view = local.views[local.view_of[i]];
     const Keyframe& observer = map().keyframe(view.keyframe);
@@ -156,7 +157,8 @@ TEST_F(LocalMapTest, DoesNotDependOnTheWorldFrame) {
   const LocalMap before = make_local_map(map(), KeyframeId{3}, {});
   test::move_world(map(), test::camera_at(1.1, {5, -3, 2}));
   const LocalMap after = make_local_map(map(), KeyframeId{3}, {});
-  EXPECT_EQ(after.ids, before.ids);
+  ASSERT_FALSE(before.ids.empty());
+  ASSERT_EQ(after.ids, before.ids);
   for (uint32_t i = 0; i < after.size(); ++i) {
     EXPECT_LT((after.p_reference[i] - before.p_reference[i]).norm(), kExact);
     EXPECT_LT((after.viewing_directions[i] - before.viewing_directions[i]).norm(), kExact);

@@ -34,6 +34,7 @@ TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
     EXPECT_LT((map.p_world(landmark) - world().p_world[view.point_of[i]]).norm(), 1e-3);
   }
   EXPECT_EQ(grown, expected);
+  EXPECT_GT(grown, 0);
   // Each keypoint gets only one landmark.
   EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options, {}), 0);
   map.check_invariants();
@@ -170,6 +171,7 @@ TEST(BundleAdjustment, LocalProblemFixesSurroundingKeyframes) {
   EXPECT_EQ(std::count(problem.bundle.fixed.begin(), problem.bundle.fixed.end(), 0), 4);
   EXPECT_EQ(std::count(problem.bundle.fixed.begin(), problem.bundle.fixed.end(), 1), 6);
   EXPECT_EQ(problem.bundle.observations.size(), problem.observations.size());
+  ASSERT_FALSE(problem.landmarks.empty());
   for (const LandmarkId id : problem.landmarks) EXPECT_GE(built.map.landmark(id).observations.size(), 2U);
   const MapUpdate update = run_bundle_adjustment(problem, options.local_ba);
   EXPECT_EQ(update.T_world_camera.size(), 4U);

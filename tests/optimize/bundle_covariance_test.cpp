@@ -128,6 +128,7 @@ TEST(BundleCovariance, MatchesTheDenseSystem) {
     BundleOptions options = with_covariances();
     options.solver = solver;
     const BundleSolution solution = solve_bundle(world.problem, options);
+    ASSERT_EQ(solution.point_used.size(), world.problem.p_world.size());
     ASSERT_THAT(solution.point_used, testing::Each(1));
     const DenseSystem system(world.problem, options, solution);
     const Eigen::MatrixXd covariance = system.covariance();

@@ -31,11 +31,15 @@ TEST(Bundle, RecoversAnIdealWorld) {
     options.solver = solver;
     const BundleSolution solution = solve_bundle(world.problem, options);
     EXPECT_LT(position_error_m(solution.T_world_camera, world.truth), 1e-7) << name_of(solver);
+    size_t used = 0;
     for (size_t i = 0; i < world.points.size(); ++i) {
       if (solution.point_used[i] == 0) continue;
+      ++used;
       EXPECT_LT((solution.p_world[i] - world.points[i]).norm(), 1e-6);
     }
+    EXPECT_GT(used, world.points.size() / 2);
     EXPECT_LT(solution.chi2_after, 1e-8 * solution.chi2_before);
+    EXPECT_EQ(solution.outliers.size(), world.problem.observations.size());
     EXPECT_THAT(solution.outliers, testing::Each(0));
   }
 }

@@ -142,6 +142,7 @@ TEST_P(PoseGraphSolvers, HandleUnderdeterminedGraphs) {
   }
   const auto solution = solve_pose_graph(world.graph, options());
   EXPECT_LT(solution.chi2_after, solution.chi2_before);
+  ASSERT_EQ(solution.T_world_vertex.size(), world.graph.T_world_vertex.size());
   for (const SE3& T : solution.T_world_vertex) EXPECT_TRUE(T.is_finite());
 }
 
@@ -175,6 +176,7 @@ TEST_P(PoseGraphSolvers, AreDeterministic) {
   const auto world = make_loop_world<SE3>({.sigma = 0.05}, 10);
   const auto first = solve_pose_graph(world.graph, options());
   const auto second = solve_pose_graph(world.graph, options());
+  ASSERT_EQ(first.T_world_vertex.size(), world.graph.T_world_vertex.size());
   for (size_t i = 0; i < first.T_world_vertex.size(); ++i) {
     EXPECT_EQ(first.T_world_vertex[i].translation, second.T_world_vertex[i].translation);
     EXPECT_EQ(first.T_world_vertex[i].rotation.coeffs(), second.T_world_vertex[i].rotation.coeffs());

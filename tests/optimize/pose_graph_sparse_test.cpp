@@ -134,6 +134,7 @@ TEST(SparseElimination, CoversEveryColumnOnceWithChildrenFirst) {
   const EliminationPlan plan = plan_elimination(pattern);
   std::vector<uint32_t> sorted = plan.position;
   std::sort(sorted.begin(), sorted.end());
+  ASSERT_EQ(sorted.size(), pattern.size);
   for (uint32_t i = 0; i < sorted.size(); ++i) ASSERT_EQ(sorted[i], i);
   uint32_t next = 0;
   size_t entries = 0;

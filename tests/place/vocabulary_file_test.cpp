@@ -75,6 +75,7 @@ TEST(VocabularyFile, CutShortAnywhereIsAnError) {
 }
 
 TEST(VocabularyFile, AnyFlippedBitIsAnError) {
+  ASSERT_GT(bytes().size(), kHeaderBytes);
   for (size_t at = 0; at < bytes().size(); ++at) {
     for (const unsigned bit : {0U, 7U}) {
       std::string altered = bytes();

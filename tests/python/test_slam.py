@@ -55,6 +55,7 @@ def test_poses_are_given_before_the_frame_is_mapped(sequence, program_run, tmp_p
         assert len(slam.trajectory) == number + 1
         if number == 9:
             break
+    assert number == 9
 
 
 def test_poses_are_rigid_motions_and_none_while_lost(sequence):

@@ -49,6 +49,7 @@ class Colmap(SmallRunTest):
 
     def test_poses_are_those_of_the_trajectory(self):
         centers = np.array(list(poses_of(self.run_folder / "trajectory.txt").values()))
+        self.assertEqual(len(self.model.images), IMAGES)
         for image in self.model.images.values():
             distances = np.linalg.norm(centers - image.projection_center(), axis=1)
             self.assertLess(distances.min(), 1e-5, image.name)

@@ -98,10 +98,12 @@ class Agreement(unittest.TestCase):
                 self.assertLess(difference, POSE_TOLERANCE)
 
     def test_standard_graphs(self):
-        for name in STANDARD:
-            if (GRAPHS / f"{name}.g2o").exists():
-                with tempfile.TemporaryDirectory() as folder:
-                    self.check(GRAPHS / f"{name}.g2o", Path(folder))
+        graphs = [GRAPHS / f"{name}.g2o" for name in STANDARD if (GRAPHS / f"{name}.g2o").exists()]
+        if not graphs:
+            self.skipTest(f"none of them in {GRAPHS}")
+        for graph in graphs:
+            with tempfile.TemporaryDirectory() as folder:
+                self.check(graph, Path(folder))
 
     def test_graph_of_a_run(self):
         """Of a room with a loop, before the last optimization of the run."""

@@ -21,6 +21,7 @@ TEST_P(EveryDepthSensor, ConfirmsItsPreset) {
 
 TEST_P(EveryDepthSensor, NoiseIsPositiveContinuousAndGrowsWithDistance) {
   constexpr double kStep_m = 1e-3;
+  ASSERT_GT(sensor_.max_depth_m, sensor_.min_depth_m + 1);
   for (double z = sensor_.min_depth_m; z < sensor_.max_depth_m; z += kStep_m) {
     const double here_m = sensor_.noise.sigma_m(z), farther_m = sensor_.noise.sigma_m(z + kStep_m);
     ASSERT_GT(here_m, 0) << z;

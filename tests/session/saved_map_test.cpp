@@ -159,6 +159,7 @@ TEST(SavedMap, AdjacentPiecesAreJoinedInBothOrders) {
     const auto ate = absolute_trajectory_error(keyframe_trajectory(slam.map(), 0), walk().truth);
     ASSERT_TRUE(ate.has_value());
     EXPECT_LT(ate->error_m.rmse, 0.03);
+    ASSERT_FALSE(slam.map().loop_closures().empty()) << in_order;
     for (const LoopClosure& loop : slam.map().loop_closures()) EXPECT_GE(loop.support, 2);
   }
 }

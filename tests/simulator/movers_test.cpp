@@ -61,6 +61,7 @@ bool same_poses(const Parts& a, const Parts& b) {
 }
 
 TEST(Walk, SegmentsJoinAndSpeedsAreThoseOfPeople) {
+  ASSERT_EQ(movers().people.size(), 2U);
   for (const Person& person : movers().people) {
     ASSERT_GE(person.walk.back().end_s(), kSeconds - 0.1);
     constexpr double kStep_s = 0.01;
@@ -97,6 +98,7 @@ TEST(Walk, StepsGrowWithSpeedAndEndSideBySide) {
 }
 
 TEST(Person, LimbsKeepTheirLengthAndStayAttached) {
+  ASSERT_EQ(movers().people.size(), 2U);
   for (const Person& person : movers().people) {
     const Figure& figure = person.figure;
     for (const double t : times()) {
@@ -125,6 +127,7 @@ TEST(Person, LimbsKeepTheirLengthAndStayAttached) {
 
 TEST(Person, StandsOnTheFloorInsideTheRoom) {
   const Eigen::Vector2f half = busy_room().size_m.head<2>().cast<float>() / 2;
+  ASSERT_EQ(movers().people.size(), 2U);
   for (const Person& person : movers().people) {
     for (const double t : times()) {
       const Eigen::AlignedBox3f box = bounds(person_at(person, t));

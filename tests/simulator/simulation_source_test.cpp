@@ -72,6 +72,7 @@ TEST(SimulatedSource, NothingOccludesTheMeasuredDepth) {
   const SimulatedSource& source = ideal_source();
   const Frame frame = source.frame(300);
   const Eigen::Vector3d center = source.info().ground_truth[300].T_world_camera.translation;
+  EXPECT_GT(cv::countNonZero(frame.depth_m), 0.9 * static_cast<double>(frame.depth_m.total()));
   for (int y = 3; y < frame.depth_m.rows; y += 23) {
     for (int x = 3; x < frame.depth_m.cols; x += 23) {
       const Eigen::Vector3d p = world_point(source, frame, x, y);
@@ -191,6 +192,7 @@ TEST(SimulatedSource, DepthIsThatOfItsOwnStamp) {
 
 TEST(SimulatedSource, ThePathKeepsClearOfEverything) {
   const SimulatedSource& source = ideal_source();
+  ASSERT_GT(source.info().ground_truth.size(), 500U);
   for (const StampedPose& pose : source.info().ground_truth) {
     ASSERT_GT(source.distance_to_surface(pose.T_world_camera.translation), sim::kPathClearance_m - 0.05);
   }

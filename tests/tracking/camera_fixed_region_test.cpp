@@ -72,6 +72,7 @@ TEST_F(CameraFixed, APartInFrontOfTheLensIsFoundWithItsBounds) {
   EXPECT_GE(growths, 1);
   EXPECT_NEAR(region_.share(), 0.25, 0.02);
   EXPECT_EQ(region_.unchanged_since_ns(), 0);
+  ASSERT_GT(region_.points().rows, kPart.y / 5);
   for (int y = 0; y < region_.points().rows; ++y) {
     const int expected = 5 * y + 2 >= kPart.y ? 255 : 0;
     if (std::abs(5 * y + 2 - kPart.y) <= 5) continue;

@@ -80,6 +80,8 @@ TEST(FrontEnd, TheThreadsOfOpenCvDoNotMatter) {
       EXPECT_EQ(one.features->depths_m, many.features->depths_m);
       EXPECT_EQ(one.features->levels, many.features->levels);
       EXPECT_TRUE(same_bytes(one.features->descriptors, many.features->descriptors));
+      ASSERT_FALSE(one.dense.levels.empty());
+      ASSERT_EQ(one.dense.levels.size(), many.dense.levels.size());
       for (size_t i = 0; i < one.dense.levels.size(); ++i) {
         EXPECT_TRUE(same_bytes(one.dense.levels[i].gray, many.dense.levels[i].gray));
         EXPECT_EQ(one.dense.levels[i].points, many.dense.levels[i].points);

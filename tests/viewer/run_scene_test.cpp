@@ -238,6 +238,7 @@ TEST_F(RunSceneTest, WhatMovesIsInNeitherCloudNorMesh) {
     for (const ScenePart& part : found) {
       uint32_t count = 0;
       std::memcpy(&count, part.body->data() + 4, sizeof count);
+      EXPECT_GT(count, 0U);
       const uint8_t* colors = part.body->data() + 24 + size_t{8} * count;
       for (uint32_t i = 0; i < count; ++i) EXPECT_GT(colors[4 * i + 2], 0) << "blue";
     }

@@ -50,6 +50,7 @@ TEST(Trainer, SeedAndSeedingChangeTheTree) {
 TEST(Trainer, UsesAndIdfAreThoseOfTheTrainingImages) {
   const auto images = clustered_images(12, 150, 80, 3);
   const Vocabulary vocabulary = train_vocabulary(images, tree_of(5, 3));
+  ASSERT_GT(vocabulary.word_count(), 25U);
   std::vector<uint32_t> uses(vocabulary.word_count(), 0);
   std::vector<std::set<size_t>> images_with(vocabulary.word_count());
   for (size_t image = 0; image < images.size(); ++image) {
