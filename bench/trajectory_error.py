@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SILENT_M, SILENT_SIGMAS = 0.05, 4  # a silent error is more than both
+AVAILABLE_M = 0.05  # the most that the pose of an available frame is off
 NOT_TRACKED = {"lost", "doubtful", "dropped", "skipped"}  # of the statuses in frames.txt
 MOST_BETWEEN_S = 0.05  # truth is interpolated only next to a pose of it
 ARM_M = 0.1  # how much an orientation counts in an alignment: as points so far from the camera
@@ -141,17 +142,19 @@ def evaluate(run, truth_file, interval_s=None):
     result = {"frames": len(rows), "posed": len(estimate), **count_statuses(rows),
               "marked_share": marked_share(rows, interval_s)}
     if len(estimate) < 3:
-        return {**result, "silent": 0, "silent_share": 0.0}
+        return {**result, "silent": 0, "silent_share": 0.0, "available": 0}
     sigmas_m = np.array([row.get("sigma_m", 0.0) for row in posed])
     errors = component_errors_m(estimate, truth, np.array([row.get("component", 0) for row in posed]))
     silent = silent_errors(errors, sigmas_m, tracked)
+    doubtful = np.array([row.get("status", "doubtful") == "doubtful" for row in posed], bool)
     outside = np.ones(len(estimate), bool)
     if interval_s:
         outside = ~is_within(estimate.stamps_s, interval_s)
     return {**result, "ate_m": rmse(errors_m(least_squares(estimate, truth), estimate, truth)),
             "ate_outside_m": ate_m(estimate.of(outside), truth.of(outside)), "median_m": float(np.median(errors)),
             "worst_m": float(errors[tracked].max(initial=0)), "silent": int(silent.sum()),
-            "silent_share": float(silent.sum() / max(1, result["tracked"]))}
+            "silent_share": float(silent.sum() / max(1, result["tracked"])),
+            "available": int((~doubtful & (errors <= AVAILABLE_M)).sum())}
 
 
 def is_within(stamp_s, interval_s):

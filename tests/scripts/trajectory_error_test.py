@@ -120,7 +120,12 @@ class SilentErrors(unittest.TestCase):
     def test_doubtful_frames_are_not_silent(self):
         result = self.evaluate("# stamp_s status ms", lambda i, s: f"{s} {'doubtful' if 40 <= i < 55 else 'tracked'} 1")
         self.assertEqual((result["tracked"], result["doubtful"], result["silent"]), (85, 15, 5))
+        self.assertEqual(result["available"], 80)
         self.assertAlmostEqual(result["marked_share"], 0.75)
+
+    def test_frames_are_available_if_they_are_posed_right_and_not_in_doubt(self):
+        result = self.evaluate("# stamp_s status", lambda i, s: f"{s} {'doubtful' if i < 10 else 'lost' if i < 15 else 'tracked'}")
+        self.assertEqual(result["available"], 70)  # a pose is one, however it was found
 
     def test_columns_are_found_by_their_names(self):
         result = self.evaluate("# stamp_s sigma_m status", lambda i, s: f"{s} {0.2 if i < 50 else 0.01} tracked")
