@@ -4,9 +4,12 @@
 set -euo pipefail
 
 way="$1" source="$2" kinloop_build="$3"
-work="$(mktemp -d)"
+work="$kinloop_build/tests/consumers/$way"  # always the same, or the compiler cache would not know the sources again
+rm -rf "$work"
+mkdir -p "$work"
 trap 'rm -rf "$work"' EXIT
 arguments=()
+if command -v ccache >/dev/null; then arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 
 case "$way" in
 find_package)
@@ -31,6 +34,7 @@ esac
 # A consumer's own warnings and language level must not disturb the library's headers. As a unity build, since
 # most of the time goes to headers of Eigen and spdlog; the preset dev compiles file by file.
 cmake -S "$source/tests/consumers/$way" -B "$work/build" -G Ninja -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" \
-  -DCMAKE_BUILD_TYPE=Debug -DCMAKE_UNITY_BUILD=ON "${arguments[@]}" >"$work/configure.log" 2>&1 || { cat "$work/configure.log"; exit 1; }
+  -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_UNITY_BUILD=ON "${arguments[@]}" \
+  >"$work/configure.log" 2>&1 || { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/build" --target consumer >"$work/build.log" 2>&1 || { tail -n 40 "$work/build.log"; exit 1; }
 "$work/build/consumer"
