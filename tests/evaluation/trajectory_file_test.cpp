@@ -18,8 +18,8 @@ namespace {
 using testing::HasSubstr;
 
 constexpr int kFilePoses = 40;
-constexpr int64_t kFileStartNs = 1'403'636'579 * kNsPerSecond + 763'555'584;
-constexpr int64_t kFileStepNs = 50'000'000;
+constexpr int64_t kFileStart_ns = 1'403'636'579 * kNsPerSecond + 763'555'584;
+constexpr int64_t kFilePeriod_ns = 50'000'000;
 
 /// The i-th pose; `first_angle_rad` 0 makes the first one the identity.
 SE3 pose(int i, double first_angle_rad = 0.4) {
@@ -27,7 +27,7 @@ SE3 pose(int i, double first_angle_rad = 0.4) {
 }
 
 int64_t stamp_ns(int i) {
-  return kFileStartNs + i * kFileStepNs;
+  return kFileStart_ns + i * kFilePeriod_ns;
 }
 
 /// Lines that `line(i)` returns for each pose.
@@ -117,8 +117,8 @@ TEST_F(TrajectoryFiles, TumInNanoseconds) {
 TEST_F(TrajectoryFiles, StampsFromZeroInMillisecondsAndNanoseconds) {
   for (const auto& [unit_ns, name] : {std::pair{1'000'000, "ms"}, std::pair{1, "ns"}}) {
     const auto file = read(
-        lines([&](int i) { return fmt::format("{} {}", i * kFileStepNs / unit_ns, pose_text(pose(i))); }));
-    EXPECT_EQ(file.poses[3].stamp_ns, 3 * kFileStepNs) << name;
+        lines([&](int i) { return fmt::format("{} {}", i * kFilePeriod_ns / unit_ns, pose_text(pose(i))); }));
+    EXPECT_EQ(file.poses[3].stamp_ns, 3 * kFilePeriod_ns) << name;
   }
 }
 

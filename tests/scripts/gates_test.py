@@ -126,7 +126,7 @@ class FalseLoops(Temporary):
 
 
 LIBRARY = {
-    "cmake/layers.txt": "# rows\nkinloop/core:\nkinloop/loop: core\napps: core loop\n",
+    "scripts/cmake/layers.txt": "# rows\nkinloop/core:\nkinloop/loop: core\napps: core loop\n",
     "kinloop/core/ids.hpp": "#pragma once\nstruct Id {};\n",
     "kinloop/core/time.hpp": "#pragma once\n",
     "kinloop/loop/find.hpp": "#pragma once\n#include \"kinloop/core/ids.hpp\"\nint find(int a, int b = f(1, 2), T<int, int> c = {});\n",
