@@ -17,24 +17,27 @@ const test::SyntheticWorld& world() {
 }
 
 TEST(LandmarkCreation, CreatesLandmarksFromDepth) {
-  const auto view = test::observe(world(), SE3{}, {0, 0, 0, 0.3}, 2);
+  const SE3 towards_a_corner{exp_so3({0, 0.8, 0}), Eigen::Vector3d::Zero()};  // 1.8 to 2.8 m away
+  const auto view = test::observe(world(), towards_a_corner, {0, 0, 0, 0.3}, 2);
   Map map;
-  const KeyframeId id = map.add_keyframe(FrameId{0}, 0, SE3{}, view.features);
+  const KeyframeId id = map.add_keyframe(FrameId{0}, 0, towards_a_corner, view.features);
   MappingOptions options;
-  options.max_depth_m = 1.9;
+  options.max_depth_m = 2.2;
   const int grown = create_landmarks_from_depth(map, id, world().camera, options, {});
   EXPECT_EQ(static_cast<size_t>(grown), map.landmark_count());
-  int expected = 0;
+  int expected = 0, too_far = 0;
   for (uint32_t i = 0; i < view.point_of.size(); ++i) {
     const float depth_m = view.features->depths_m[i];
     const LandmarkId landmark = map.keyframe(id).landmark_of[i];
-    EXPECT_EQ(landmark.valid(), depth_m > 0 && depth_m <= 1.9F);
+    EXPECT_EQ(landmark.valid(), depth_m > 0 && depth_m <= 2.2F);
+    too_far += depth_m > 2.2F ? 1 : 0;
     if (!landmark.valid()) continue;
     ++expected;
     EXPECT_LT((map.p_world(landmark) - world().p_world[view.point_of[i]]).norm(), 1e-3);
   }
   EXPECT_EQ(grown, expected);
-  EXPECT_GT(grown, 0);
+  EXPECT_GT(grown, 20);
+  EXPECT_GT(too_far, 20);
   // Each keypoint gets only one landmark.
   EXPECT_EQ(create_landmarks_from_depth(map, id, world().camera, options, {}), 0);
   map.check_invariants();
