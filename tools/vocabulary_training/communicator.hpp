@@ -16,7 +16,7 @@ namespace kinloop {
 /// Bytes sent from one process to another.
 using Message = std::vector<uint8_t>;
 
-/// A single process, unless a derived class says otherwise (mpi_communicator.hpp).
+/// A single process, unless a derived class says otherwise (see mpi_communicator.cpp).
 class Communicator {
  public:
   Communicator() = default;
