@@ -41,7 +41,8 @@ COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9A-
 @functools.lru_cache
 def tracked():
     """All files under version control that are there."""
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCE, check=True, capture_output=True, text=True).stdout
+    listed = subprocess.run(["git", "-c", "safe.directory=*", "ls-files", "-z"], cwd=SOURCE, check=True,
+                            capture_output=True, text=True).stdout
     return [path for path in map(pathlib.PurePosixPath, listed.split("\0")[:-1]) if (SOURCE / path).is_file()]
 
 
