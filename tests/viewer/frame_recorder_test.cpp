@@ -17,18 +17,25 @@ TrackedFrame tracked(TrackingOutcome outcome, TrackingMethod method = TrackingMe
   return result;
 }
 
+LoggedFrame logged(const TrackedFrame& frame) {
+  constexpr int kHeight_px = 480;
+  return log_entry(frame, kHeight_px);
+}
+
 /// The statuses of frames that are in doubt or not.
 std::vector<std::string> statuses(bool doubtful) {
   std::vector<TrackedFrame> frames = {tracked(TrackingOutcome::kNewMap), tracked(TrackingOutcome::kTracked),
                                       tracked(TrackingOutcome::kTracked, TrackingMethod::kDense),
                                       tracked(TrackingOutcome::kLost)};
   FrameRecorder recorder;
+  std::vector<LoggedFrame> log;
   for (TrackedFrame& frame : frames) {
     recorder.on_frame(frame);
     frame.doubtful = doubtful;
+    log.push_back(logged(frame));
   }
   std::vector<std::string> all;
-  for (const FrameRow& row : recorder.table(frames, {})) all.push_back(row.status);
+  for (const FrameRow& row : recorder.table(log, {})) all.push_back(row.status);
   return all;
 }
 
@@ -44,7 +51,7 @@ TEST(FrameRecorder, SigmaIsThatOfTheLeastCertainDirection) {
   FrameRecorder recorder;
   recorder.on_frame(frame);
   recorder.on_frame(lost);
-  const FrameTable table = recorder.table(std::vector{frame, lost}, {});
+  const FrameTable table = recorder.table(std::vector{logged(frame), logged(lost)}, {});
   EXPECT_NEAR(table[0].sigma_m, 3e-3, 1e-9);
   EXPECT_EQ(table[1].sigma_m, 0);
 }
@@ -55,7 +62,7 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
   for (int i = 0; i < 2; ++i)
     test::add_view(built, world, test::observe(world, test::pose_on_arc(i), {}, 1), test::pose_on_arc(i));
   FrameRecorder recorder;
-  std::vector<TrackedFrame> log;
+  std::vector<LoggedFrame> log;
   for (int i = 0; i < 4; ++i) {
     TrackedFrame frame = tracked(TrackingOutcome::kTracked);
     frame.stamp_ns = i;
@@ -65,9 +72,8 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
     recorder.record_pose(frame);
     recorder.on_frame(frame);
     recorder.on_map(built.map);
-    frame.doubtful = false;                      // trusted later
-    frame.T_world_camera.translation.x() += 10;  // corrected later
-    log.push_back(frame);
+    frame.doubtful = false;  // trusted later
+    log.push_back(logged(frame));
   }
   log[2].outcome = TrackingOutcome::kLost;
   const auto live = recorder.live_poses(log, built.map);
@@ -90,7 +96,7 @@ TEST(FrameRecorder, LivePosesAreThoseBeforeTheFrameIsMapped) {
   recorder.record_pose(frame);
   frame.T_world_camera.translation.x() = 2;
   recorder.on_frame(frame);
-  const auto live = recorder.live_poses(std::vector{frame}, built.map);
+  const auto live = recorder.live_poses(std::vector{logged(frame)}, built.map);
   ASSERT_EQ(live.size(), 1U);
   EXPECT_EQ(live[0].T_world_camera.translation.x(), 1);
 }
@@ -101,7 +107,7 @@ TEST(FrameRecorder, LivePosesBeforeTheirComponentWasJoinedAreLeftOut) {
   const auto features = std::make_shared<const Features>();
   map.add_keyframe(FrameId{0}, 0, SE3{}, features, 0);
   FrameRecorder recorder;
-  std::vector<TrackedFrame> log;
+  std::vector<LoggedFrame> log;
   const auto add = [&](KeyframeId reference, TrackingOutcome outcome) {
     TrackedFrame frame = tracked(outcome);
     frame.stamp_ns = static_cast<int64_t>(log.size());
@@ -109,7 +115,7 @@ TEST(FrameRecorder, LivePosesBeforeTheirComponentWasJoinedAreLeftOut) {
     recorder.record_pose(frame);
     recorder.on_frame(frame);
     recorder.on_map(map);
-    log.push_back(frame);
+    log.push_back(logged(frame));
   };
   add(KeyframeId{0}, TrackingOutcome::kNewMap);
   add(KeyframeId{0}, TrackingOutcome::kTracked);
