@@ -17,8 +17,8 @@ class Join : public testing::Test {
   /// Compares the views that are new.
   std::vector<ViewPairResult> look() {
     std::vector<ViewPairResult> results;
-    for (const JoinedViews& views : joins_.take_views(visits_.map))
-      results.push_back(compare(views, visits_.sensor));
+    for (const OverlappingViews& views : joins_.take_views(visits_.map))
+      results.push_back(compare_joined(views, visits_.sensor));
     return results;
   }
 

@@ -9,7 +9,8 @@ constexpr int kMinViews = 10, kMinViewsAtEnd = 4;
 
 JoinCheckJob::Solution JoinCheckJob::solve(const Problem& problem) {
   Solution results;
-  for (const JoinedViews& views : problem.views) results.push_back(compare(views, problem.sensor));
+  for (const OverlappingViews& views : problem.views)
+    results.push_back(compare_joined(views, problem.sensor));
   return results;
 }
 

@@ -137,7 +137,7 @@ class JoinCheckJob {
   static constexpr const char* kName = "join check";
   static constexpr bool kMovesWholeMap = false;
   struct Problem {
-    std::vector<JoinedViews> views;
+    std::vector<OverlappingViews> views;
     Sensor sensor;
   };
   using Solution = std::vector<ViewPairResult>;

@@ -48,7 +48,8 @@ RoomComparison compare_room(const std::vector<OverlappingViews>& overlapping, Ap
 }  // namespace
 
 KeyframeView view_of(const Keyframe& keyframe) {
-  return {keyframe.id, keyframe.component, keyframe.T_world_camera, keyframe.features, keyframe.surfaces};
+  return {keyframe.id,       keyframe.component, keyframe.visit, keyframe.T_world_camera,
+          keyframe.features, keyframe.surfaces};
 }
 
 SE3 T_world_a_world_b(const LoopClosure& loop, const SE3& T_world_a, const SE3& T_world_b) {

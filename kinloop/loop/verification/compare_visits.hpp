@@ -20,6 +20,7 @@ namespace kinloop {
 struct KeyframeView {
   KeyframeId id;
   uint32_t component = 0;
+  uint32_t visit = 0;
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::shared_ptr<const SurfaceGrid> surfaces;  ///< of what is at rest; null if they are not known

@@ -41,8 +41,8 @@ bool knows_what_rests(const Keyframe& keyframe) {
 }
 
 /// The nearest view of the earlier visit; nullopt if there is none, or too far from the loops.
-std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& later, const Loops& loops,
-                                    const Map& map) {
+std::optional<OverlappingViews> views_of(const VisitPair& visits, const Keyframe& later, const Loops& loops,
+                                         const Map& map) {
   constexpr double kMaxDistance_m = 4;
   if (later.visit != visits.second || !knows_what_rests(later)) return std::nullopt;
   const double away_m = distance_from(loops, later, map);
@@ -51,14 +51,14 @@ std::optional<JoinedViews> views_of(const VisitPair& visits, const Keyframe& lat
     return view.visit == visits.first && view.component == later.component && knows_what_rests(view);
   });
   if (earlier == nullptr) return std::nullopt;
-  return JoinedViews{visits,
-                     {view_of(*earlier), view_of(later), map.relative_pose(earlier->id, later.id), away_m}};
+  return OverlappingViews{view_of(*earlier), view_of(later), map.relative_pose(earlier->id, later.id),
+                          away_m};
 }
 
 }  // namespace
 
-ViewPairResult compare(const JoinedViews& joined, const Sensor& sensor) {
-  return {joined.visits, compare_aligned(joined.views, sensor)};
+ViewPairResult compare_joined(const OverlappingViews& views, const Sensor& sensor) {
+  return {{views.a.visit, views.b.visit}, compare_aligned(views, sensor)};
 }
 
 bool JoinCheck::has_views(const Map& map) const {
@@ -71,8 +71,8 @@ bool JoinCheck::has_views(const Map& map) const {
   });
 }
 
-std::vector<JoinedViews> JoinCheck::take_views(const Map& map) {
-  std::vector<JoinedViews> taken;
+std::vector<OverlappingViews> JoinCheck::take_views(const Map& map) {
+  std::vector<OverlappingViews> taken;
   for (const auto& [visits, loops] : loops_between_visits(map)) {
     uint32_t& next = joins_[visits].next_keyframe;
     for (; next < map.keyframes().size(); ++next) {

@@ -14,19 +14,14 @@ namespace kinloop {
 /// Two visits, the earlier first.
 using VisitPair = std::pair<uint32_t, uint32_t>;
 
-/// Keyframes of two joined visits that show the same if the join is true.
-struct JoinedViews {
-  VisitPair visits;
-  OverlappingViews views;  ///< of the earlier visit and of the later one
-};
-
-/// What they say of each other, see `compare_aligned`.
+/// What keyframes of two joined visits say of each other, see `compare_aligned`.
 struct ViewPairResult {
   VisitPair visits;
   std::optional<ViewComparison> views;
 };
 
-ViewPairResult compare(const JoinedViews& joined, const Sensor& sensor);
+/// Compares keyframes that show the same if the join of their visits is true, the earlier visit first.
+ViewPairResult compare_joined(const OverlappingViews& views, const Sensor& sensor);
 
 /// Collects what the keyframes of visits that loop closures have joined say of each other.
 class JoinCheck {
@@ -37,7 +32,7 @@ class JoinCheck {
   /// Returns each keyframe of the later visits once, with the nearest view of each visit that its own is
   /// joined to. Keyframes more than 4 m from the loops say nothing, for drift, nor those of loaded maps, of
   /// which it is not known what moved.
-  std::vector<JoinedViews> take_views(const Map& map);
+  std::vector<OverlappingViews> take_views(const Map& map);
 
   /// Adds what they say.
   void add(const std::vector<ViewPairResult>& results);
