@@ -37,7 +37,7 @@ TEST(Bundle, RecoversAnIdealWorld) {
       ++used;
       EXPECT_LT((solution.p_world[i] - world.points[i]).norm(), 1e-6);
     }
-    EXPECT_GT(used, world.points.size() / 2);
+    EXPECT_GT(used, world.points.size() / 3);
     EXPECT_LT(solution.chi2_after, 1e-8 * solution.chi2_before);
     EXPECT_EQ(solution.outliers.size(), world.problem.observations.size());
     EXPECT_THAT(solution.outliers, testing::Each(0));

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(DefaultVocabulary, IsTheFileOfTheRepository) {
-  const fs::path file = test::source_folder() / "data" / "orb.kinvoc";
+  const fs::path file = test::source_folder() / "kinloop/place/vocabulary/orb.kinvoc";
   EXPECT_LE(fs::file_size(file), 4'000'000U);
   EXPECT_EQ(serialize_vocabulary(load_default_vocabulary()), read_file(file));
 }

@@ -1,4 +1,4 @@
-"""The scripts of examples/python and the code of docs/python.md and README."""
+"""The scripts of docs/examples/python and the code of docs/python.md and README."""
 
 import os
 import re
@@ -16,7 +16,7 @@ def example(tmp_path):
     """Runs an example in a folder of its own; returns what it prints."""
 
     def run(name, *arguments):
-        command = [sys.executable, SOURCE / "examples/python" / name, *map(str, arguments)]
+        command = [sys.executable, SOURCE / "docs/examples/python" / name, *map(str, arguments)]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return done.stdout
@@ -26,7 +26,7 @@ def example(tmp_path):
 
 @pytest.mark.parametrize("name", ["compare", "export_colmap", "localize", "map_a_folder", "read_poses", "stream_frames"])
 def test_usage(name):
-    done = subprocess.run([sys.executable, SOURCE / f"examples/python/{name}.py"], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, SOURCE / f"docs/examples/python/{name}.py"], capture_output=True, text=True)
     assert done.returncode == 1 and f"\n  {name}.py " in done.stderr and "Traceback" not in done.stderr
 
 
@@ -65,7 +65,7 @@ def start(*command, **streams):
 
 def test_frames_in_and_poses_out(sequence, program_run, tmp_path):
     """Frames come from a program and poses go to another one, while the run is under way."""
-    send, read = (SOURCE / "examples/python" / name for name in ("stream_frames.py", "read_poses.py"))
+    send, read = (SOURCE / "docs/examples/python" / name for name in ("stream_frames.py", "read_poses.py"))
     with (
         start(sys.executable, send, sequence, stdout=subprocess.PIPE) as sender,
         start(os.environ["KINLOOP_PROGRAM"], "run", "-", "-q", "-o", tmp_path / "out", "--poses-to", "-",

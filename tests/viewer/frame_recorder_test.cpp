@@ -112,6 +112,7 @@ TEST(FrameRecorder, LivePosesBeforeTheirComponentWasJoinedAreLeftOut) {
     TrackedFrame frame = tracked(outcome);
     frame.stamp_ns = static_cast<int64_t>(log.size());
     frame.reference = reference;
+    frame.component = map.keyframe(reference).component;
     recorder.record_pose(frame);
     recorder.on_frame(frame);
     recorder.on_map(map);
