@@ -84,7 +84,8 @@ void BackEnd::take(AppliedSolution applied) {
   if (!applied.verified.empty()) take(job<LoopDecisionJob>().add(map_, applied.verified));
   results_.map_changed |= applied.map_changed;
   loops_corrected_ |= applied.loops_corrected;
-  if (!applied.contradicted_joins.empty()) job<LoopDecisionJob>().record_contradicted(applied.contradicted_joins);
+  if (!applied.contradicted_joins.empty())
+    job<LoopDecisionJob>().record_contradicted(applied.contradicted_joins);
   if (applied.loops_added) job<LoopCorrectionJob>().add(applied.merges);
   if (applied.sensor) results_.sensor = std::move(applied.sensor);
   if (results_.T_world_keyframe_before.empty())

@@ -88,7 +88,8 @@ float raw_kinect1(float z_m) {
 
 TEST(DepthValuesCheck, TheFirstFramesMayHaveNoDepth) {
   constexpr int kCovered = 10, kClipped = 30;  // times the recording
-  const CapturedFrames clipped = with_depth(kinect_room(), each([](float z_m) { return std::min(z_m, 2.0F); }));
+  const CapturedFrames clipped =
+      with_depth(kinect_room(), each([](float z_m) { return std::min(z_m, 2.0F); }));
   const CapturedFrames covered = with_depth(clipped, each([](float) { return 0.0F; }));
   DepthValuesCheck check(clipped.camera);
   for (int i = 0; i < kCovered + kClipped; ++i) {

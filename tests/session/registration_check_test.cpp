@@ -11,8 +11,8 @@
 namespace kinloop {
 namespace {
 
-using test::flipped;
 using test::CapturedFrames;
+using test::flipped;
 using test::resized;
 using test::warning_text;
 using test::with_depth;

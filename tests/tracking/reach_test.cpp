@@ -15,8 +15,7 @@ class Reach : public testing::Test {
   }
 
   [[nodiscard]] bool can_reach(double x_m, double after_s, double drift_m = 0) const {
-    const CameraMotion from{
-        {KeyframeId{0}, {{1, 0, 0, 0}, {1, 0, 0}}}, {{1, 0, 0}, {0, 0, 0}}, to_ns(10)};
+    const CameraMotion from{{KeyframeId{0}, {{1, 0, 0, 0}, {1, 0, 0}}}, {{1, 0, 0}, {0, 0, 0}}, to_ns(10)};
     return kinloop::can_reach(from, map_, {x_m, 0, 0}, to_ns(10 + after_s), drift_m);
   }
 

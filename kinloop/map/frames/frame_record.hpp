@@ -1,5 +1,6 @@
 #pragma once
-// What is known of a frame wherever it is kept, also in map files: when it was, how it was tracked, and where.
+// What is known of a frame wherever it is kept, also in map files: when it was, how it was tracked, and
+// where.
 
 #include <cstdint>
 
