@@ -44,7 +44,7 @@ std::vector<int64_t> stamps_of(const Trajectory& trajectory) {
 
 Trajectory read_tum_trajectory(const std::filesystem::path& path) {
   Trajectory trajectory;
-  for (const TextLine& line : read_table(path)) trajectory.push_back(parse_pose(line, path));
+  visit_table(path, [&](const TextLine& line) { trajectory.push_back(parse_pose(line, path)); });
   std::stable_sort(trajectory.begin(), trajectory.end(),
                    [](const auto& a, const auto& b) { return a.stamp_ns < b.stamp_ns; });
   return trajectory;

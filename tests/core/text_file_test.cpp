@@ -1,6 +1,8 @@
 #include "kinloop/core/files/text_file.hpp"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "tests/support/expect_error.hpp"
 #include "tests/support/full_disk.hpp"
@@ -63,6 +65,55 @@ TEST(ReadTable, SkipsAByteOrderMark) {
                                       "1.5 a\n"))[0]
                   .fields,
               ElementsAre("1.5", "a"));
+}
+
+TEST(ReadTable, TakesLinesOfAnyLengthUpToTheLimit) {
+  const TempFolder folder;
+  for (const size_t length : {1U, 4094U, 4095U, 4096U, 8190U, 8191U, 100'000U}) {
+    const std::string word(length, 'x');
+    const auto lines = read_table(folder.write("t", word + "\n\n" + word));
+    ASSERT_THAT(lines, SizeIs(2)) << length;
+    EXPECT_THAT(lines[0].fields, ElementsAre(word));
+    EXPECT_THAT(lines[1].fields, ElementsAre(word));
+    EXPECT_EQ(lines[1].number, 3U);
+  }
+  const auto endless = folder.write("t", "a b\n" + std::string((1 << 20) + 1, 'x'));
+  EXPECT_THAT(input_error([&] { read_table(endless); }), HasSubstr("t:2: a line of more than 1 MiB"));
+}
+
+TEST(ReadTable, RefusesLargeFilesBeforeTheyAreRead) {
+  const TempFolder folder;
+  const auto list = folder.write("list.txt", "");
+  fs::resize_file(list, kMostListBytes + 1);  // without a block on the disk
+  EXPECT_THAT(
+      input_error([&] { read_table(list); }),
+      AllOf(HasSubstr("list.txt: 33554433 bytes"), HasSubstr("at most 33554432"), HasSubstr("split")));
+}
+
+TEST(VisitTable, NeedsMemoryForOneLine) {
+  constexpr int kLines = 1'000'000;
+  const TempFolder folder;
+  std::string text;
+  for (int i = 0; i < kLines; ++i) text += "1 2 3 4 5 6 7 8\n";
+  const auto file = folder.write("poses.txt", text);
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  int lines = 0;
+  visit_table(file, [&](const TextLine& line) { lines += line.fields.size() == 8 ? 1 : 0; });
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_EQ(lines, kLines);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 16 << 10) << "KiB";
+}
+
+TEST(RequireRegularFile, NamesWhatThereIsInstead) {
+  const TempFolder folder;
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(input_error([&] { require_regular_file(pipe); }),
+              HasSubstr("pipe: a pipe, not a regular file"));
+  EXPECT_THAT(input_error([&] { read_table(pipe); }), HasSubstr("a pipe, not a regular file"));
+  EXPECT_THAT(input_error([&] { require_regular_file(folder.path()); }), HasSubstr("a folder, not"));
+  EXPECT_THAT(input_error([&] { require_regular_file("/dev/zero"); }), HasSubstr("a device, not"));
 }
 
 TEST(ParseDouble, TakesFiniteNumbersOnly) {

@@ -47,7 +47,7 @@ void write_frame_table(const std::filesystem::path& path, const FrameTable& tabl
 
 FrameTable read_frame_table(const std::filesystem::path& path) {
   FrameTable table;
-  for (const TextLine& line : read_table(path)) table.push_back(parse_row(line, path));
+  visit_table(path, [&](const TextLine& line) { table.push_back(parse_row(line, path)); });
   return table;
 }
 

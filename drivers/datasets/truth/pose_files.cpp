@@ -25,12 +25,6 @@ constexpr size_t kRowFields = 4, kPoseFields = 7, kStampedFields = 8, kThreeRows
 
 using PoseList = std::vector<std::optional<SE3>>;
 
-std::vector<double> numbers_in(const TextLine& line, const fs::path& file) {
-  std::vector<double> numbers;
-  for (const std::string& field : line.fields) numbers.push_back(parse_double(field, file, line.number));
-  return numbers;
-}
-
 /// Matrices that are not rigid mark frames without a pose.
 std::optional<SE3> written_pose(const std::vector<double>& numbers) {
   if (numbers.size() == kPoseFields) return motion_of(numbers);
@@ -38,24 +32,37 @@ std::optional<SE3> written_pose(const std::vector<double>& numbers) {
   return matrix ? rigid_motion(*matrix) : std::nullopt;
 }
 
+/// The numbers of a file, of which each line has as many.
+struct NumberRows {
+  size_t fields = 0;            ///< of a line; 0: there is none
+  size_t first_line = 0;        ///< from 1
+  std::vector<double> numbers;  ///< none of lines with a stamp
+};
+
+NumberRows read_rows(const fs::path& file) {
+  constexpr std::array kKnown = {kRowFields, kPoseFields, kStampedFields, kThreeRows, kMatrixFields};
+  NumberRows rows;
+  visit_table(file, [&](const TextLine& line) {
+    if (rows.fields == 0) rows.fields = line.fields.size(), rows.first_line = line.number;
+    if (std::find(kKnown.begin(), kKnown.end(), rows.fields) == kKnown.end())
+      throw_parse_error(file, line.number, "neither a matrix nor a position and a quaternion");
+    if (rows.fields == kStampedFields) return;
+    if (line.fields.size() != rows.fields)
+      throw_parse_error(file, line.number, fmt::format("expected {} numbers", rows.fields));
+    for (const std::string& field : line.fields)
+      rows.numbers.push_back(parse_double(field, file, line.number));
+  });
+  return rows;
+}
+
 /// A pose in each line, or in each four lines.
-PoseList poses_in_lines(const std::vector<TextLine>& lines, const fs::path& file) {
-  const size_t fields = lines.front().fields.size();
-  const size_t lines_per_pose = fields == kRowFields ? kRowFields : 1;
-  const bool known =
-      fields == kRowFields || fields == kPoseFields || fields == kThreeRows || fields == kMatrixFields;
-  if (!known || lines.size() % lines_per_pose != 0)
-    throw_parse_error(file, lines.front().number, "neither a matrix nor a position and a quaternion");
+PoseList poses_in(const NumberRows& rows, const fs::path& file) {
+  const size_t numbers = rows.fields == kRowFields ? kMatrixFields : rows.fields;
+  if (rows.numbers.size() % numbers != 0)
+    throw_parse_error(file, rows.first_line, "neither a matrix nor a position and a quaternion");
   PoseList poses;
-  for (size_t i = 0; i < lines.size(); i += lines_per_pose) {
-    std::vector<double> numbers;
-    for (size_t k = i; k < i + lines_per_pose; ++k) {
-      if (lines[k].fields.size() != fields)
-        throw_parse_error(file, lines[k].number, fmt::format("expected {} numbers", fields));
-      for (const double number : numbers_in(lines[k], file)) numbers.push_back(number);
-    }
-    poses.push_back(written_pose(numbers));
-  }
+  for (auto pose = rows.numbers.begin(); pose != rows.numbers.end(); pose += static_cast<ptrdiff_t>(numbers))
+    poses.push_back(written_pose({pose, pose + static_cast<ptrdiff_t>(numbers)}));
   return poses;
 }
 
@@ -99,11 +106,11 @@ PoseList of_frames(const PoseList& poses, const RecordedSequence& sequence, cons
 }
 
 PoseList read_pose_file(const fs::path& file, const RecordedSequence& sequence) {
-  const auto lines = read_table(file);
-  if (lines.empty()) throw InputError(fmt::format("{}: has no poses", file.string()));
-  const bool stamped = lines.front().fields.size() == kStampedFields;
+  const NumberRows rows = read_rows(file);
+  if (rows.fields == 0) throw InputError(fmt::format("{}: has no poses", file.string()));
+  const bool stamped = rows.fields == kStampedFields;
   if (stamped && sequence.stamps_measured) return poses_by_time(file, sequence);
-  if (!stamped) return of_frames(poses_in_lines(lines, file), sequence, file);
+  if (!stamped) return of_frames(poses_in(rows, file), sequence, file);
   PoseList poses;
   for (const StampedPose& pose : read_tum_trajectory(file)) poses.push_back(pose.T_world_camera);
   return of_frames(poses, sequence, file);

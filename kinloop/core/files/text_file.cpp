@@ -1,5 +1,6 @@
 #include "kinloop/core/files/text_file.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -38,28 +39,82 @@ void make_folder(const std::filesystem::path& folder) {
   }
 }
 
-std::vector<TextLine> read_table(const std::filesystem::path& path) {
-  std::istringstream content(read_text(path));
-  std::vector<TextLine> lines;
+namespace {
+
+/// Takes the byte-order mark off the first line.
+void begin_text(std::string& text, const std::filesystem::path& path) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw InputError(fmt::format("{}: text in UTF-16; save it as UTF-8", path.string()));
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+}
+
+/// Reads up to the next line break; false at the end of the file.
+bool read_line(std::istream& stream, std::string& text, const std::filesystem::path& path, size_t number) {
+  constexpr size_t kMostBytes = size_t{1} << 20;
+  text.clear();
+  std::array<char, 4096> part;
+  while (stream.getline(part.data(), part.size()) || stream.gcount() > 0) {
+    const bool cut = stream.fail() && !stream.eof();  // the line goes on
+    text.append(part.data(), static_cast<size_t>(stream.gcount()) - (stream.good() ? 1 : 0));
+    if (text.size() > kMostBytes)
+      throw_parse_error(path, number, "a line of more than 1 MiB; this is no table of numbers and names");
+    if (!cut) return true;
+    stream.clear();
+  }
+  return false;
+}
+
+}  // namespace
+
+void visit_table(const std::filesystem::path& path, const std::function<void(TextLine line)>& visit) {
+  require_regular_file(path);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError(fmt::format("{}: cannot be read; check its permissions", path.string()));
   std::string text;
-  for (size_t number = 1; std::getline(content, text); ++number) {
+  for (size_t number = 1; read_line(stream, text, path, number); ++number) {
+    if (number == 1) begin_text(text, path);
     std::istringstream words(text);
     TextLine line{number, {}};
     for (std::string word; words >> word;) line.fields.push_back(word);
-    if (!line.fields.empty() && line.fields.front().front() != '#') lines.push_back(std::move(line));
+    if (!line.fields.empty() && line.fields.front().front() != '#') visit(std::move(line));
   }
+  if (stream.bad()) throw InputError(fmt::format("{}: cannot be read; copy it again", path.string()));
+}
+
+std::vector<TextLine> read_table(const std::filesystem::path& path) {
+  require_size(path, kMostListBytes);
+  std::vector<TextLine> lines;
+  visit_table(path, [&](TextLine line) { lines.push_back(std::move(line)); });
   return lines;
 }
 
-std::string read_file(const std::filesystem::path& path) {
+void require_size(const std::filesystem::path& path, uint64_t most_bytes) {
+  require_regular_file(path);
+  std::error_code unknown;
+  const uint64_t bytes = std::filesystem::file_size(path, unknown);
+  if (unknown || bytes <= most_bytes) return;
+  throw InputError(fmt::format("{}: {} bytes, where such a file has at most {}; split the recording",
+                               path.string(), bytes, most_bytes));
+}
+
+void require_regular_file(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    if (error) throw_no_access(path, error);
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found)
     throw InputError(fmt::format("{}: no such file; check the path", path.string()));
-  }
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw InputError(fmt::format("{}: not a regular file", path.string()));
-  }
+  if (error) throw_no_access(path, error);
+  if (std::filesystem::is_regular_file(status)) return;
+  const char* kind = std::filesystem::is_directory(status) ? "a folder"
+                     : std::filesystem::is_fifo(status)    ? "a pipe"
+                     : std::filesystem::is_socket(status)  ? "a socket"
+                                                           : "a device";
+  throw InputError(fmt::format("{}: {}, not a regular file; put a file in its place", path.string(), kind));
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  require_regular_file(path);
+  std::error_code error;
   std::ifstream stream(path, std::ios::binary);
   std::string content(std::filesystem::file_size(path, error), '\0');
   stream.read(content.data(), static_cast<std::streamsize>(content.size()));
@@ -72,10 +127,7 @@ std::string read_file(const std::filesystem::path& path) {
 
 std::string read_text(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // written by Windows editors
-  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF"))
-    throw InputError(fmt::format("{}: text in UTF-16; save it as UTF-8", path.string()));
-  if (bytes.starts_with(kByteOrderMark)) bytes.erase(0, kByteOrderMark.size());
+  begin_text(bytes, path);
   return bytes;
 }
 

@@ -2,8 +2,10 @@
 // Text files, read line by line with errors that name file and line, and output files that are written beside
 // their target and renamed.
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -25,12 +27,26 @@ struct TextLine {
 /// Throws InputError unless `folder` exists and is a folder.
 void require_folder(const std::filesystem::path& folder);
 
+/// Throws InputError unless `path` is a file: to open a pipe would wait for its other end.
+void require_regular_file(const std::filesystem::path& path);
+
 /// Creates the folder and its missing parents. Throws InputError on failure.
 void make_folder(const std::filesystem::path& folder);
 
-/// Returns the lines of a whitespace-separated table without blank lines, lines that begin with '#' and the
-/// byte-order mark. Throws InputError if the file cannot be read.
+/// Calls `visit` for each line of a whitespace-separated table without blank lines, lines that begin with '#'
+/// and the byte-order mark; holds one line in memory, whatever the size of the file. Throws InputError if the
+/// file cannot be read, for UTF-16 and for a line of more than 1 MiB.
+void visit_table(const std::filesystem::path& path, const std::function<void(TextLine line)>& visit);
+
+/// The most that a list of the frames of a recording has: half a million frames and more. In memory its words
+/// take up to twenty times as much.
+constexpr uint64_t kMostListBytes = uint64_t{32} << 20;
+
+/// Returns the lines of such a table. Throws InputError for a file of more than kMostListBytes.
 std::vector<TextLine> read_table(const std::filesystem::path& path);
+
+/// Throws InputError for a file of more than `most_bytes`, before it is read.
+void require_size(const std::filesystem::path& path, uint64_t most_bytes);
 
 /// Returns the whole file as bytes. Throws InputError if it cannot be read.
 std::string read_file(const std::filesystem::path& path);
