@@ -138,6 +138,7 @@ ColoredCloud read_ply(const std::filesystem::path& path) {
 FileFrame read_ply_frame(const std::filesystem::path& path) {
   constexpr size_t kMaxBytes = 4096;
   std::string start(kMaxBytes, '\0');
+  require_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<size_t>(stream.gcount()));

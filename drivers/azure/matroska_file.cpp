@@ -2,6 +2,7 @@
 
 #include "drivers/azure/azure_recording.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 #ifdef KINLOOP_WITH_VIDEO
 
@@ -51,6 +52,7 @@ struct MatroskaFile::Implementation {
 
 MatroskaFile::MatroskaFile(const std::filesystem::path& path)
     : implementation_(std::make_unique<Implementation>()) {
+  require_regular_file(path);
   av_log_set_level(AV_LOG_QUIET);  // what is wrong is reported by us
   const AVInputFormat* matroska = av_find_input_format("matroska");
   AVFormatContext* raw = require_memory(avformat_alloc_context());

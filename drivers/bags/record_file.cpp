@@ -4,11 +4,14 @@
 
 #include "drivers/bags/chunk_decompression.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 
 RecordFile::RecordFile(const std::filesystem::path& path, std::string_view magic, std::string_view otherwise)
-    : name_(path.string()), magic_bytes_(magic.size()), file_(path, std::ios::binary) {
+    : name_(path.string()), magic_bytes_(magic.size()) {
+  require_regular_file(path);
+  file_.open(path, std::ios::binary);
   if (!file_) throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
   size_ = std::filesystem::file_size(path);
   std::string begin(magic.size(), '\0');

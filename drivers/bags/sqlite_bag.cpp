@@ -7,6 +7,7 @@
 #include "drivers/bags/bag_files.hpp"
 #include "drivers/bags/chunk_decompression.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/untrusted_database.hpp"
 
 namespace kinloop {
@@ -78,6 +79,7 @@ class SqliteBag : public MessageFile {
   }
 
   void open() {
+    require_regular_file(name_);
     sqlite3* raw = nullptr;
     const int result =
         sqlite3_open_v2(name_.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);

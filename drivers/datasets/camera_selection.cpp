@@ -62,6 +62,8 @@ std::optional<RgbdCamera> preset_of_lists(const std::filesystem::path& folder) {
   constexpr int kMostLines = 3;
   constexpr std::string_view kBenchmark = "rgbd_dataset_";
   for (const char* list : {"rgb.txt", "depth.txt", "groundtruth.txt"}) {
+    std::error_code absent;
+    if (!std::filesystem::is_regular_file(folder / list, absent)) continue;
     std::ifstream file(folder / list);
     std::string line;
     for (int i = 0; i < kMostLines && std::getline(file, line) && line.starts_with('#'); ++i) {

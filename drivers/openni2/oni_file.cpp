@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -79,9 +80,10 @@ void set_general(OniStream& stream, const std::string& name, ByteReader value) {
 
 }  // namespace
 
-OniFile::OniFile(const std::filesystem::path& path) : name_(path.string()), file_(path, std::ios::binary) {
-  if (!file_ || !std::filesystem::is_regular_file(path))
-    throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
+OniFile::OniFile(const std::filesystem::path& path) : name_(path.string()) {
+  require_regular_file(path);
+  file_.open(path, std::ios::binary);
+  if (!file_) throw InputError(fmt::format("{}: cannot be opened; check the path and the rights", name_));
   size_ = std::filesystem::file_size(path);
   read_header();
   read_all_properties();

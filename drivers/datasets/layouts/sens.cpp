@@ -17,6 +17,7 @@
 #include "drivers/datasets/reading/two_lenses.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
 
@@ -28,7 +29,9 @@ namespace fs = std::filesystem;
 /// Reads the file from the front. Errors name the file and the byte.
 class SensReader {
  public:
-  explicit SensReader(const fs::path& file) : stream_(file, std::ios::binary), file_(file) {
+  explicit SensReader(const fs::path& file) : file_(file) {
+    require_regular_file(file);
+    stream_.open(file, std::ios::binary);
     std::error_code error;
     size_ = fs::file_size(file, error);
     if (!stream_ || error)

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 
 namespace kinloop {
 namespace {
@@ -56,8 +57,9 @@ void DescriptorFileWriter::commit() {
   file_.commit();
 }
 
-DescriptorFile::DescriptorFile(std::filesystem::path path)
-    : path_(std::move(path)), file_(path_, std::ios::binary) {
+DescriptorFile::DescriptorFile(std::filesystem::path path) : path_(std::move(path)) {
+  require_regular_file(path_);
+  file_.open(path_, std::ios::binary);
   std::error_code error;
   const uint64_t size = std::filesystem::file_size(path_, error);
   if (!file_ || error) throw InputError(fmt::format("{}: cannot be read; check the path", path_.string()));

@@ -9,6 +9,7 @@
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 
 namespace kinloop {
@@ -18,6 +19,7 @@ std::string read_bytes(const ImageLocation& image) {
     throw InputError(fmt::format("{}: an image of {} bytes at byte {}, where one has at most {}",
                                  image.file.string(), image.size, image.offset, kMaxEncodedBytes));
   }
+  require_regular_file(image.file);
   std::ifstream stream(image.file, std::ios::binary);
   std::error_code error;
   const uint64_t file_size = std::filesystem::file_size(image.file, error);

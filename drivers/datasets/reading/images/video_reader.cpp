@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/files/text_file.hpp"
 #include "kinloop/sensor/images/image_limits.hpp"
 
 #ifdef KINLOOP_WITH_VIDEO
@@ -36,6 +37,7 @@ using Packet = std::unique_ptr<AVPacket, AvFree<av_packet_free>>;
 
 /// The file may come from anywhere: other demuxers than that of MP4 open further files and addresses.
 FormatContext open_video(const std::filesystem::path& file) {
+  require_regular_file(file);
   AVFormatContext* format = nullptr;
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
