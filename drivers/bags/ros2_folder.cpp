@@ -52,6 +52,8 @@ std::filesystem::path listed_file(const std::filesystem::path& folder, const std
 std::vector<std::filesystem::path> listed_files(const std::filesystem::path& folder) {
   const auto path = folder / kMetadata;
   std::vector<std::filesystem::path> files;
+  constexpr uint64_t kMostBytes = uint64_t{16} << 20;
+  require_size(path, kMostBytes);
   try {
     const YAML::Node bag = YAML::Load(read_file(path))[kBagNode];
     for (const auto& name : bag["relative_file_paths"])

@@ -49,6 +49,45 @@ TEST_F(ProbeCommand, OtherSourcesAreProbedOrRefused) {
   EXPECT_THAT(absent.err, HasSubstr("no such folder"));
 }
 
+TEST_F(ProbeCommand, PipesInPlaceOfFilesAreRefused) {
+  const auto expect_refused = [&](const std::string& recording, const std::string& file) {
+    const auto probed = shell("timeout 30 '" KINLOOP_PROGRAM "' probe '" + at(recording) + "'");
+    EXPECT_EQ(probed.exit_code, kBadInput) << recording;
+    EXPECT_THAT(probed.err, HasSubstr(file + ": a pipe, not a regular file")) << recording;
+  };
+  for (const char* file : {"a.mcap", "a.bag", "a.db3", "a.mkv", "a.oni"}) {
+    ASSERT_EQ(shell("mkfifo '" + at(file) + "'").exit_code, kDone);
+    expect_refused(file, file);
+  }
+  for (const char* file : {"rgb.txt", "camera.yaml"}) {
+    std::filesystem::remove(at("seq") + "/" + file);
+    ASSERT_EQ(shell("mkfifo '" + at("seq") + "/" + file + "'").exit_code, kDone);
+  }
+  std::filesystem::remove(at("seq/associations.txt"));
+  expect_refused("seq", "seq/rgb.txt");
+  folder_.write("phone/odometry.csv", "timestamp, frame, x, y, z, qx, qy, qz, qw\n0.0,0,0,0,0,0,0,0,1\n");
+  folder_.write("phone/camera_matrix.csv", "100,0,80\n0,100,60\n0,0,1\n");
+  folder_.write("phone/depth/000000.png", "");
+  ASSERT_EQ(shell("mkfifo '" + at("phone/rgb.mp4") + "'").exit_code, kDone);
+  expect_refused("phone", "phone/rgb.mp4");
+  ASSERT_EQ(shell("mkdir '" + at("scan") + "'; mkfifo '" + at("scan/a.sens") + "'").exit_code, kDone);
+  expect_refused("scan", "scan/a.sens");
+}
+
+TEST_F(ProbeCommand, LargeListsAreRefusedEarly) {
+  std::filesystem::remove(at("seq/associations.txt"));
+  std::filesystem::resize_file(at("seq/rgb.txt"), 200 << 20);
+  const auto listed = run("probe '" + at("seq") + "'");
+  EXPECT_EQ(listed.exit_code, kBadInput);
+  EXPECT_THAT(listed.err, HasSubstr("seq/rgb.txt: 209715200 bytes"));
+  folder_.write("nerf/transforms.json", "{}");
+  std::filesystem::resize_file(at("nerf/transforms.json"), 200 << 20);
+  for (const char* images : {"nerf/images/0.png", "nerf/depth/0.png"}) folder_.write(images, "");
+  const auto transforms = run("probe '" + at("nerf") + "'");
+  EXPECT_EQ(transforms.exit_code, kBadInput);
+  EXPECT_THAT(transforms.err, HasSubstr("transforms.json: 209715200 bytes"));
+}
+
 TEST_F(ProbeCommand, PrintsTheCameraThatARunWouldUse) {
   const std::string file = at("seq/camera.yaml"), camera = read_file(file);
   EXPECT_EQ(run("probe --print-camera '" + at("seq") + "'").out, camera);

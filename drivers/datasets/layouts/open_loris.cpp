@@ -33,6 +33,8 @@ std::string open_loris_evidence(const fs::path&, const FolderContents& contents)
 /// parser exhausts the stack on nested input and allocates whatever size a damaged matrix claims.
 template <class Read>
 auto with_yaml(const fs::path& file, const Read& read) {
+  constexpr uint64_t kMostBytes = uint64_t{1} << 20;
+  require_size(file, kMostBytes);
   const std::string text = read_file(file);
   const size_t begin = text.starts_with("%YAML") ? std::min(text.find('\n'), text.size()) : 0;  // "%YAML:1.0"
   try {

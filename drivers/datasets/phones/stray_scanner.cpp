@@ -31,6 +31,7 @@ std::string stray_scanner_evidence(const fs::path&, const FolderContents& conten
 
 /// The fields of each line after the header, without blanks.
 std::vector<TextLine> read_csv(const fs::path& file) {
+  require_size(file, kMostListBytes);
   std::istringstream content(read_file(file));
   std::vector<TextLine> lines;
   std::string text;

@@ -9,6 +9,8 @@
 namespace kinloop {
 
 nlohmann::json read_json(const std::filesystem::path& file) {
+  constexpr uint64_t kMostBytes = uint64_t{64} << 20;  // values take ten times as much
+  require_size(file, kMostBytes);
   const std::string text = read_file(file);
   if (is_nested_too_deeply(text))
     throw InputError(fmt::format("{}: more than {} brackets are open at once; copy it again", file.string(),

@@ -53,6 +53,7 @@ bool is_separator(char c) {
 }  // namespace
 
 std::vector<double> read_numbers(const std::filesystem::path& file) {
+  require_size(file, kMostListBytes);
   const std::string text = read_file(file);
   std::vector<double> numbers;
   size_t line = 1;
