@@ -1,5 +1,7 @@
 #include "dense/files/mesh_file.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -121,7 +123,17 @@ std::string stl_bytes(const FileMesh& file, const std::filesystem::path& path) {
   return bytes;
 }
 
+std::filesystem::path beside(std::filesystem::path mesh, const char* extension) {
+  return mesh.replace_extension(extension);
+}
+
 }  // namespace
+
+std::vector<std::filesystem::path> mesh_files(const std::filesystem::path& path) {
+  if (path.extension() == ".obj") return {path, beside(path, ".jpg"), beside(path, ".mtl")};
+  if (path.extension() == ".usda") return {path, beside(path, ".jpg")};
+  return {path};
+}
 
 bool is_mesh_file(const std::filesystem::path& path) {
   const auto form = path.extension();
@@ -131,6 +143,15 @@ bool is_mesh_file(const std::filesystem::path& path) {
 bool is_textured_mesh_file(const std::filesystem::path& path) {
   const auto form = path.extension();
   return form == ".obj" || form == ".glb" || form == ".usda" || form == ".usdz";
+}
+
+void require_texture_name(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const bool is_text = path.extension() == ".obj" || path.extension() == ".usda";
+  const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
+  if (!is_text || std::none_of(name.begin(), name.end(), is_control)) return;
+  throw InputError(fmt::format(
+      "{}: a name with control characters cannot be that of a texture; give another name", path.string()));
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
@@ -150,19 +171,17 @@ void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, cons
   constexpr int kJpegQuality = 90;
   require(mesh.triangles.size() == texture.triangles.size(), "write_mesh: expected the texture of this mesh");
   require(is_textured_mesh_file(path), "write_mesh: the extension supports no texture");
+  require_texture_name(path);
   const FileMesh file{mesh, frame, vertex_normals(mesh), &texture};
   const std::vector<uint8_t> encoded = encode_jpeg(texture.image, kJpegQuality);
   const std::string_view jpeg(reinterpret_cast<const char*>(encoded.data()), encoded.size());
   if (path.extension() == ".glb") return write_file(path, glb_bytes(file, jpeg, path));
   if (path.extension() == ".usdz") return write_file(path, usdz_of(file, jpeg));
-  const auto beside = [&](const char* extension) {
-    return std::filesystem::path(path).replace_extension(extension);
-  };
-  const std::string image = beside(".jpg").filename().string();
-  write_file(beside(".jpg"), jpeg);
+  const std::string image = beside(path, ".jpg").filename().string();
+  write_file(beside(path, ".jpg"), jpeg);
   if (path.extension() == ".usda") return write_file(path, usda_text(file, image));
-  write_file(beside(".mtl"), mtl_text(image));
-  write_file(path, textured_obj_text(file, beside(".mtl").filename().string()));
+  write_file(beside(path, ".mtl"), mtl_text(image));
+  write_file(path, textured_obj_text(file, beside(path, ".mtl").filename().string()));
 }
 
 }  // namespace kinloop

@@ -1,4 +1,6 @@
 #include <iterator>
+#include <string>
+#include <string_view>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -51,6 +53,15 @@ void add_places(std::string& text, const MeshTexture& texture) {
            [&](size_t i) { return text_of(texture.triangles[i]); });
 }
 
+/// The path of an asset beside the scene. One with an @ stands between three, in which three are escaped.
+std::string asset(std::string name) {
+  constexpr std::string_view kThree = "@@@";
+  if (name.find('@') == std::string::npos) return fmt::format("@./{}@", name);
+  for (size_t at = 0; (at = name.find(kThree, at)) != std::string::npos; at += kThree.size() + 1)
+    name.insert(at, 1, '\\');
+  return fmt::format("@@@./{}@@@", name);
+}
+
 /// The images already contain the light of the room, so the surface emits them.
 std::string material(const std::string& image) {
   return fmt::format(R"(def Material "Images"
@@ -69,7 +80,7 @@ std::string material(const std::string& image) {
     def Shader "Texture"
     {{
         uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @./{}@
+        asset inputs:file = {}
         token inputs:sourceColorSpace = "sRGB"
         float2 inputs:st.connect = </Map/Images/Places.outputs:result>
         float3 outputs:rgb
@@ -84,7 +95,7 @@ std::string material(const std::string& image) {
 }}
 
 )",
-                     image);
+                     asset(image));
 }
 
 }  // namespace

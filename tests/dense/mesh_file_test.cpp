@@ -159,6 +159,19 @@ TEST(MeshFile, ObjNamesItsTexture) {
   EXPECT_EQ(decode_jpeg(read_file(folder.path() / "my room.jpg")).size(), cv::Size(64, 32));
 }
 
+TEST(MeshFile, NamesOfTexturesAreEscapedForTheFormat) {
+  const test::TempFolder folder;
+  write_mesh(folder.path() / "a@@@b@.usda", square(), square_texture());
+  EXPECT_THAT(read_file(folder.path() / "a@@@b@.usda"),
+              HasSubstr("asset inputs:file = @@@./a\\@@@b@.jpg@@@\n"));
+  for (const char* name : {"a\nmap_Kd b.obj", "a\nb.usda", "a\tb.obj"}) {
+    EXPECT_THAT(test::input_error([&] { write_mesh(folder.path() / name, square(), square_texture()); }),
+                HasSubstr("control characters"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / name));
+  }
+  EXPECT_NO_THROW(write_mesh(folder.path() / "a\nb.glb", square(), square_texture()));
+}
+
 TEST(MeshFile, UsdHoldsColoursOrNamesItsTexture) {
   const test::TempFolder folder;
   write_mesh(folder.path() / "m.usda", square());

@@ -164,6 +164,19 @@ TEST(EvaluationTable, OfSeveralHasARowEach) {
   EXPECT_EQ(json[0].at("rpe")[0].at("delta"), "1 m");
 }
 
+TEST(EvaluationTable, NamesAreEscapedForTheFormat) {
+  auto all = two_estimates();
+  all[0].name = "=1+1";
+  all[1].name = "@a\n\x1b[2J,b";
+  const std::string csv = evaluation_table(all, TableFormat::kCsv);
+  EXPECT_THAT(csv, AllOf(HasSubstr("\n'=1+1,0.00"), HasSubstr("\n\"'@a\n\x1b[2J,b\",0.00")));
+  for (const TableFormat format : {TableFormat::kText, TableFormat::kLatex}) {
+    const std::string table = evaluation_table(all, format);
+    EXPECT_EQ(count(table, "\x1b"), 0U);
+    EXPECT_EQ(count(table, "a\n"), 0U);
+  }
+}
+
 TEST(EvaluationTable, OfOneHasAllStatistics) {
   const auto all = two_estimates();
   const std::string text = evaluation_table(std::span(all).first(1), TableFormat::kText);

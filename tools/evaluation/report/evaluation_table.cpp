@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "kinloop/core/text/escaped.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
 
@@ -113,7 +114,7 @@ std::string text_of_one(const Evaluation& evaluation) {
 
 std::string text_of_several(std::span<const NamedEvaluation> all) {
   size_t width = 8;
-  for (const auto& named : all) width = std::max(width, named.name.size());
+  for (const auto& named : all) width = std::max(width, escaped(named.name).size());
   const auto columns = columns_of(all);
   std::string text = fmt::format("{:<{}}", "estimate", width);
   for (const Column& column : columns) {
@@ -121,7 +122,7 @@ std::string text_of_several(std::span<const NamedEvaluation> all) {
   }
   text += '\n';
   for (const auto& [name, evaluation] : all) {
-    text += fmt::format("{:<{}}", name, width);
+    text += fmt::format("{:<{}}", escaped(name), width);
     for (const Column& column : columns) {
       if (column.is_in_text)
         text +=
@@ -132,8 +133,9 @@ std::string text_of_several(std::span<const NamedEvaluation> all) {
   return text;
 }
 
-/// A field of RFC 4180.
-std::string quoted(const std::string& text) {
+/// A field of RFC 4180. One that a spreadsheet would take for a formula begins with an apostrophe.
+std::string quoted(std::string text) {
+  if (text.find_first_of("=+-@\t\r") == 0) text.insert(text.begin(), '\'');
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";
   for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -157,7 +159,7 @@ std::string csv(std::span<const NamedEvaluation> all) {
 }
 
 /// Text in which TeX sees no command.
-std::string escaped(const std::string& text) {
+std::string tex_of(const std::string& text) {
   std::string safe;
   for (const char c : text) {
     if (c == '\\') {
@@ -179,12 +181,12 @@ std::string latex(std::span<const NamedEvaluation> all) {
   for (const Column& column : columns) {
     if (!column.is_in_text) continue;
     alignment += 'r';
-    header += " & " + escaped(column.title);
+    header += " & " + tex_of(column.title);
   }
   std::string text =
       fmt::format("\\begin{{tabular}}{{{}}}\n\\toprule\n{} \\\\\n\\midrule\n", alignment, header);
   for (const auto& [name, evaluation] : all) {
-    text += escaped(name);
+    text += tex_of(escaped(name));
     for (const Column& column : columns) {
       if (column.is_in_text) text += " & " + rounded(column, evaluation);
     }
