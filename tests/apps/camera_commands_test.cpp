@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "drivers/datasets/tum_writer.hpp"
+#include "drivers/ros/bag_source.hpp"
 #include "tests/apps/http_server.hpp"
 #include "tests/apps/program_test.hpp"
 #include "tests/calibration/pictures.hpp"
@@ -200,6 +201,21 @@ TEST_F(CameraCommands, ARecordingThatFillsTheDiskKeepsTheFramesBefore) {
   EXPECT_EQ(full.exit_code, kBadInput) << full.err;
   EXPECT_THAT(full.err, HasSubstr("disk full"));
   EXPECT_THAT(run("probe '" + at("file.mcap") + "'").out, HasSubstr("640 x 480"));
+}
+
+TEST_F(CameraCommands, ARecordingThatFillsASmallDiskKeepsTheFramesThatFitted) {
+  test::write_room(at("small"), "--frames 60");
+  const Run full = run("record '" + at("small") + "' -o '" + at("file.mcap") + "'", "ulimit -f 1000;");
+  EXPECT_EQ(full.exit_code, kBadInput) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("file.mcap: writing failed; is the disk full?"));
+  const auto read = open_bag(at("file.mcap"), {});
+  size_t frames = 0;
+  while (read->next()) ++frames;
+  ASSERT_EQ(run("record '" + at("small") + "' -o '" + at("whole.mcap") + "'").exit_code, kDone);
+  const size_t bytes_per_frame = std::filesystem::file_size(at("whole.mcap")) / 60;
+  const size_t fitting = std::filesystem::file_size(at("file.mcap")) / bytes_per_frame;
+  EXPECT_GT(fitting, 3U);
+  EXPECT_GE(frames + 2, fitting);
 }
 
 TEST_F(CameraCommands, TheNextRecordingRecoversThatOfAKilledProcess) {

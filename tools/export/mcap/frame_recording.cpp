@@ -67,6 +67,7 @@ void FrameRecording::write(const CompressedFrame& frame) {
   }
   file_.write(color_, stamp_ns, frame.color);
   file_.write(depth_, stamp_ns, frame.depth);
+  file_.flush();
 }
 
 }  // namespace kinloop

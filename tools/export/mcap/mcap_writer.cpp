@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
 #include <libdeflate.h>
 #include <zstd.h>
 
@@ -57,7 +58,7 @@ uint32_t crc_of(std::string_view bytes, uint32_t before = 0) {
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path, const McapOptions& options)
-    : file_(path), compression_(options.compress ? "zstd" : "") {
+    : path_(path), file_(path), compression_(options.compress ? "zstd" : "") {
   put(kMcapMagic);
   put(McapFields().text(options.profile).text("kinloop").record(McapOpcode::kHeader));
 }
@@ -192,6 +193,12 @@ void McapWriter::put_summary() {
   footer.resize(footer.size() - sizeof(uint32_t));  // the checksum covers all before it
   put(footer);
   put(McapFields().number(crc_).bytes());
+}
+
+void McapWriter::flush() {
+  close_chunk();
+  if (!file_.stream().flush())
+    throw InputError(fmt::format("{}: writing failed; is the disk full?", path_.string()));
 }
 
 void McapWriter::commit(Existing existing) {

@@ -39,6 +39,10 @@ class McapWriter {
   /// Adds a message. Messages in order of their stamps make the best index.
   void write(uint16_t topic, int64_t stamp_ns, std::string_view message);
 
+  /// Ends the chunk and hands it to the disk: what is lost later is what was added later. Throws InputError
+  /// if it cannot be written.
+  void flush();
+
   /// Writes the summary and renames the file. Throws InputError on failure.
   void commit(Existing existing = Existing::kReplaced);
 
@@ -57,6 +61,7 @@ class McapWriter {
   void put_summary();
   [[nodiscard]] std::string statistics() const;
 
+  std::filesystem::path path_;
   AtomicFile file_;
   std::string compression_;
   uint64_t position_ = 0;

@@ -41,7 +41,8 @@ class FrameRecording {
   FrameRecording(const FrameRecording&) = delete;
   FrameRecording& operator=(const FrameRecording&) = delete;
 
-  /// Stamps must increase.
+  /// Writes the frame as a chunk of its own, so that a full disk takes no frame before it. Stamps must
+  /// increase. Throws InputError if it cannot be written.
   void write(const CompressedFrame& frame);
 
   /// Completes the file and gives it its name. Throws InputError if another process has taken the name.
