@@ -27,6 +27,12 @@ bool is_of_the_machine(std::string_view key) {
   return key == "threads" || key.ends_with(".threads");
 }
 
+/// Returns whether an option says how much of a map is in memory. A map file has its default, so that equal
+/// maps have equal bytes.
+bool changes_no_result(std::string_view key) {
+  return key.ends_with("_memory_mib");
+}
+
 /// Throws InputError naming the file: the value is not of the command line.
 void apply_saved(const std::vector<OptionEntry>& entries, const std::filesystem::path& path,
                  const std::string& assignment) {
@@ -45,10 +51,12 @@ void MapSaver::save() {
   contents_.recorder.wait_for_jobs();
   SavedMap saved = contents_.slam.saved_map(contents_.input);
   saved.program = program_name();
-  RunOptions options = contents_.options;
-  for (const OptionEntry& entry : option_entries(options)) {
-    if (is_of_the_machine(entry.key)) continue;
-    saved.options.emplace_back(entry.key, to_text(entry.value));
+  RunOptions options = contents_.options, defaults;
+  const auto entries = option_entries(options), usual = option_entries(defaults);
+  for (size_t i = 0; i < entries.size(); ++i) {
+    const std::string& key = entries[i].key;
+    if (is_of_the_machine(key)) continue;
+    saved.options.emplace_back(key, to_text(changes_no_result(key) ? usual[i].value : entries[i].value));
   }
   write_map(path_, saved, contents_.recorder.image_count(),
             [&](size_t index) { return contents_.recorder.saved_images(index); });

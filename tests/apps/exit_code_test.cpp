@@ -219,12 +219,14 @@ TEST_F(Outputs, MapFilesAreTheSameForAnyNumberOfThreads) {
 
 TEST_F(Outputs, AMemoryLimitDoesNotChangeThem) {
   const std::string folder = sequence(30);
-  for (const char* memory : {"1", "1000"})
+  ASSERT_EQ(run("run '" + folder + "' -q -o '" + at("unlimited") + "'").exit_code, kDone);
+  for (const std::string memory : {"1", "1000"}) {
     ASSERT_EQ(run("run '" + folder + "' -q --memory " + memory + " -o '" + at(memory) + "'").exit_code,
               kDone);
-  for (const char* name : {"trajectory.txt", "map.ply"})
-    EXPECT_TRUE(read_file(at(std::string("1/") + name)) == read_file(at(std::string("1000/") + name)))
-        << name;
+    for (const char* name : {"trajectory.txt", "live.txt", "map.ply", "map.kinmap"})
+      EXPECT_TRUE(read_file(at(memory + "/" + name)) == read_file(at(std::string("unlimited/") + name)))
+          << name;
+  }
 }
 
 TEST_F(Outputs, FilesAreFlushedOnceEach) {
