@@ -133,7 +133,7 @@ ExitCode run(const RunArguments& arguments) {
   FrameHooks hooks{progress, shown ? shown->wait_until_resumed : nullptr, nullptr};
   if (poses) hooks.send_pose = [&](const TrackedFrame& frame) { poses->send(frame, session.slam().map()); };
   const RunEnd end = process_all(session, output, hooks);
-  if (poses) poses->report();
+  const bool sent = !poses || poses->finish();
   poses.reset();  // the reader sees the end
   if (shown) {
     shown->viewer.set_hints({});  // too late for advice
@@ -148,7 +148,7 @@ ExitCode run(const RunArguments& arguments) {
   const bool useful = output.check();
   const int signal = received_signal();
   if (shown) serve_until_interrupted(shown->viewer);
-  if (!useful || end == RunEnd::kSourceFailed) return ExitCode::kBadInput;
+  if (!useful || !sent || end == RunEnd::kSourceFailed) return ExitCode::kBadInput;
   return exit_code(session.slam(), signal, output.details());
 }
 

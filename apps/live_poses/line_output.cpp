@@ -51,24 +51,44 @@ UdpAddress udp_address(const std::string& target) {
   return parsed;
 }
 
+/// Whether an error says that there is no reader, or that it is slow.
+bool is_for_want_of_a_reader(int error) {
+  return error == EAGAIN || error == EWOULDBLOCK || error == EPIPE || error == ECONNRESET ||
+         error == ECONNREFUSED || error == ENXIO;
+}
+
 /// Writes whole lines to a descriptor without waiting.
 class LineWriter {
  public:
-  enum class Result { kTaken, kDropped, kReaderGone };
+  enum class Result { kTaken, kDropped, kReaderGone, kFailed };
 
   explicit LineWriter(Descriptor descriptor) : descriptor_(std::move(descriptor)) {
     struct stat file {};
-    is_socket_ = ::fstat(descriptor_.number(), &file) == 0 && S_ISSOCK(file.st_mode);
+    const bool known = ::fstat(descriptor_.number(), &file) == 0;
+    is_socket_ = known && S_ISSOCK(file.st_mode);
+    is_file_ = known && S_ISREG(file.st_mode);
   }
 
+  /// errno tells why it failed.
   Result write(const std::string& line) {
     if (const Result before = send_rest(); before != Result::kTaken) return before;
     rest_ = line;
-    const Result result = send_rest();
+    const Result result = is_file_ ? append_rest() : send_rest();
     if (result != Result::kDropped) return result;
     if (rest_.size() < line.size()) return Result::kTaken;  // the rest goes before the next line
     rest_.clear();
     return Result::kDropped;
+  }
+
+  /// Waits a second for the reader of a line of which a part is sent. Returns false if it does not take the
+  /// rest.
+  bool finish() {
+    constexpr int kLongestWaitMs = 1000;
+    while (send_rest() == Result::kDropped) {
+      pollfd ready{descriptor_.number(), POLLOUT, 0};
+      if (::poll(&ready, 1, kLongestWaitMs) <= 0) return false;
+    }
+    return rest_.empty();
   }
 
  private:
@@ -82,43 +102,67 @@ class LineWriter {
                      : ::write(descriptor_.number(), rest_.data(), rest_.size());
       if (count < 0 && errno == EINTR) continue;
       if (count < 0 && (errno == EPIPE || errno == ECONNRESET)) return Result::kReaderGone;
-      if (count <= 0) return Result::kDropped;
+      if (count <= 0) return is_for_want_of_a_reader(errno) ? Result::kDropped : Result::kFailed;
       rest_.erase(0, static_cast<size_t>(count));
     }
     return Result::kTaken;
   }
 
+  /// A disk that is full may take a part of a line, which is then taken back.
+  Result append_rest() {
+    const int file = descriptor_.number();
+    const off_t begin = ::lseek(file, 0, (::fcntl(file, F_GETFL) & O_APPEND) != 0 ? SEEK_END : SEEK_CUR);
+    const Result result = send_rest();
+    if (result != Result::kFailed) return result;
+    const int error = errno;
+    rest_.clear();
+    if (begin >= 0 && ::ftruncate(file, begin) == 0) ::lseek(file, begin, SEEK_SET);
+    errno = error;
+    return result;
+  }
+
   Descriptor descriptor_;
-  bool is_socket_ = false;
+  bool is_socket_ = false, is_file_ = false;
   std::string rest_;  // of a line of which a part is sent
 };
 
 /// Lines for one reader at a time, who may come late, leave and come back.
 class ReaderLines : public LineOutput {
  public:
-  /// Returns a descriptor to write to, or -1 if there is no reader.
+  /// Returns a descriptor to write to, or -1 with errno set if there is no reader.
   using Connect = std::function<Descriptor()>;
 
   explicit ReaderLines(Connect connect) : connect_(std::move(connect)) {}
 
   bool write(const std::string& line) override {
     constexpr int kReaders = 2;  // the one that has gone, and the next
+    error_ = 0;
     for (int i = 0; i < kReaders; ++i) {
       if (!writer_) {
         Descriptor reader = connect_();
-        if (reader.number() < 0) return false;
+        if (reader.number() < 0) return fail(errno);
         writer_.emplace(std::move(reader));
       }
       const auto result = writer_->write(line);
+      if (result == LineWriter::Result::kFailed) return fail(errno);
       if (result != LineWriter::Result::kReaderGone) return result == LineWriter::Result::kTaken;
       writer_.reset();
     }
     return false;
   }
 
+  bool finish() override { return !writer_ || writer_->finish(); }
+  [[nodiscard]] int error() const override { return error_; }
+
  private:
+  bool fail(int error) {
+    if (!is_for_want_of_a_reader(error)) error_ = error;
+    return false;
+  }
+
   Connect connect_;
   std::optional<LineWriter> writer_;
+  int error_ = 0;
 };
 
 /// Opens a descriptor of this process anew if it is a pipe or a terminal, so that only this program's side
@@ -133,7 +177,10 @@ Descriptor duplicate(int number) {
   return Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, 0));
 }
 
-std::unique_ptr<LineOutput> open_descriptor(int number) {
+std::unique_ptr<LineOutput> open_descriptor(int number, const std::string& target) {
+  const int mode = ::fcntl(number, F_GETFL);
+  if (mode < 0 || (mode & O_ACCMODE) == O_RDONLY)  // see reserve_standard_descriptors
+    throw InputError(fmt::format("--poses-to {}: is closed, or open for reading only; give a file", target));
   return std::make_unique<ReaderLines>([number] { return duplicate(number); });
 }
 
@@ -146,7 +193,7 @@ std::unique_ptr<LineOutput> open_pipe(const std::filesystem::path& path) {
 std::unique_ptr<LineOutput> open_file(const std::filesystem::path& path) {
   require_writable_file(path);
   const OutputPlace place = output_place(path);
-  if (place.descriptor) return open_descriptor(*place.descriptor);
+  if (place.descriptor) return open_descriptor(*place.descriptor, path.string());
   if (place.is_stream) return open_pipe(place.target);
   constexpr mode_t kAll = 0666;  // without the bits of umask
   const auto file = std::make_shared<const Descriptor>(
@@ -205,13 +252,16 @@ void check_line_target(const std::string& target) {
   if (target.starts_with(kUdpPrefix)) static_cast<void>(udp_address(target));
 }
 
+bool is_file_target(const std::string& target) {
+  return target != "-" && !target.starts_with(kSocketPrefix) && !target.starts_with(kUdpPrefix);
+}
+
 bool is_standard_output_target(const std::string& target) {
-  return target == "-" || (!target.starts_with(kSocketPrefix) && !target.starts_with(kUdpPrefix) &&
-                           is_standard_output(target));
+  return target == "-" || (is_file_target(target) && is_standard_output(target));
 }
 
 std::unique_ptr<LineOutput> open_line_output(const std::string& target) {
-  if (target == "-") return open_descriptor(STDOUT_FILENO);
+  if (target == "-") return open_descriptor(STDOUT_FILENO, target);
   if (target.starts_with(kSocketPrefix)) return open_socket(target.substr(kSocketPrefix.size()));
   if (target.starts_with(kUdpPrefix)) return open_udp(target);
   return open_file(target);

@@ -1,5 +1,6 @@
 #include "apps/live_poses/pose_sender.hpp"
 
+#include <system_error>
 #include <utility>
 
 #include "apps/run/frame_recorder.hpp"
@@ -44,13 +45,24 @@ PoseSender::PoseSender(std::string target) : target_(std::move(target)), output_
 
 void PoseSender::send(const TrackedFrame& tracked, const Map& map) {
   ++lines_;
-  if (!output_->write(pose_line(tracked, map))) ++dropped_;
+  if (output_->write(pose_line(tracked, map))) return;
+  if (output_->error() == 0) {
+    ++dropped_;
+  } else if (failed_++ == 0) {
+    error_ = output_->error();
+  }
 }
 
-void PoseSender::report() const {
+bool PoseSender::finish() {
+  const bool cut = !output_->finish();
   if (dropped_ > 0)
     log::warn("--poses-to {}: {} of {} lines dropped, since nobody took them in time", target_, dropped_,
               lines_);
+  if (cut) log::warn("--poses-to {}: the last line is cut, since its reader did not take it all", target_);
+  if (failed_ == 0) return true;
+  log::error("--poses-to {}: {} of {} lines could not be written ({}); is the disk full?", target_, failed_,
+             lines_, std::generic_category().message(error_));
+  return false;
 }
 
 }  // namespace kinloop

@@ -20,11 +20,20 @@ class LineOutput {
   /// Passes on a line, with its line break, as a whole. Returns false, without waiting, if it is dropped
   /// since nobody takes it.
   virtual bool write(const std::string& line) = 0;
+
+  /// After the last line: waits a second for a reader who has taken a part of it. Returns false if it is cut.
+  virtual bool finish() = 0;
+
+  /// Returns the errno of the last line if it was dropped for another reason, such as a full disk; else 0.
+  [[nodiscard]] virtual int error() const = 0;
 };
 
 /// Throws UsageError unless `target` is "-" (standard output), a file or a pipe, "unix:PATH" or
 /// "udp:HOST:PORT".
 void check_line_target(const std::string& target);
+
+/// Returns whether the lines go to a file or a pipe of this name.
+bool is_file_target(const std::string& target);
 
 /// Returns whether the lines go to standard output, so that nothing else must.
 bool is_standard_output_target(const std::string& target);
@@ -44,13 +53,16 @@ class PoseSender {
 
   void send(const TrackedFrame& tracked, const Map& map);
 
-  /// Logs how many lines were dropped, if any.
-  void report() const;
+  /// Ends the lines, and logs how many were dropped and why. Returns false if they could not be written,
+  /// which is not said of lines that nobody took.
+  bool finish();
 
  private:
   std::string target_;
   std::unique_ptr<LineOutput> output_;
-  size_t lines_ = 0, dropped_ = 0;
+  size_t lines_ = 0, dropped_ = 0;  // dropped: for want of a reader
+  size_t failed_ = 0;
+  int error_ = 0;  // of the first that failed
 };
 
 }  // namespace kinloop

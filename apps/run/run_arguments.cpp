@@ -60,6 +60,13 @@ void add_input_arguments(CLI::App& command, RunRequest& request) {
                      "For masks of single frames see docs/recordings.md");
 }
 
+/// A script whose variable is not set gives nothing.
+std::string check_target(const std::string& target) {
+  return target.empty() ? "'' is nothing to send to; give a file, a pipe, - (standard output), unix:PATH or "
+                          "udp:HOST:PORT"
+                        : "";
+}
+
 /// How much work is done at a time.
 void add_speed_arguments(CLI::App& command, RunRequest& request) {
   command
@@ -111,10 +118,12 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
       "delay, kept for each serial number in ~/.local/share/kinloop/sensors");
   command.add_flag("--keep-doubtful", arguments.keep_doubtful,
                    "also write the poses of doubtful frames to trajectory.txt, and evaluate them");
-  command.add_option("--poses-to", arguments.poses_to,
-                     "send a JSON line with the pose of each frame as it is tracked to a file or a pipe, to\n"
-                     "standard output (-), to the program that connects to unix:PATH, or to udp:HOST:PORT;\n"
-                     "see docs/protocol.md");
+  command
+      .add_option("--poses-to", arguments.poses_to,
+                  "send a JSON line with the pose of each frame as it is tracked to a file or a pipe, to\n"
+                  "standard output (-), to the program that connects to unix:PATH, or to udp:HOST:PORT;\n"
+                  "see docs/protocol.md")
+      ->check(CLI::Validator(check_target, ""));
   command
       .add_option(
           "--trajectory", arguments.trajectory,

@@ -1,13 +1,17 @@
 // Lines for a reader that is slow, absent or gone.
 
 #include <array>
+#include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
+#include <thread>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -156,6 +160,40 @@ TEST_F(LinesToAReader, OfAFileAreThereAtOnceAndReplaceOlderOnes) {
     EXPECT_TRUE(output->write("two\n"));
     EXPECT_EQ(read_file(at(name)), "one\ntwo\n");
   }
+}
+
+TEST_F(LinesToAReader, OfAFileAreWholeOrAbsentOnAFullDisk) {
+  std::signal(SIGXFSZ, SIG_IGN);  // as the program
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{2000, before.rlim_max};  // two lines and a part
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto output = open_line_output(at("poses.jsonl"));
+  EXPECT_TRUE(output->write(numbered_line(0)));
+  EXPECT_TRUE(output->write(numbered_line(1)));
+  EXPECT_FALSE(output->write(numbered_line(2)));
+  EXPECT_EQ(output->error(), EFBIG);
+  EXPECT_TRUE(output->write("short\n"));
+  EXPECT_EQ(output->error(), 0);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(read_file(at("poses.jsonl")), numbered_line(0) + numbered_line(1) + "short\n");
+}
+
+TEST_F(LinesToAReader, OfASocketEndWithAWholeLine) {
+  const auto output = open_line_output("unix:" + at("socket"));
+  const Descriptor reader = connect_to("socket");
+  const int taken = fill(*output);
+  std::string all;
+  std::thread slow([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    all = received(reader);
+  });
+  EXPECT_TRUE(output->finish());
+  slow.join();
+  all += received(reader);
+  std::string expected;
+  for (int i = 0; i < taken; ++i) expected += numbered_line(i);
+  EXPECT_EQ(all, expected);
 }
 
 TEST_F(LinesToAReader, WrongTargetsAreErrorsThatSayWhatToGive) {

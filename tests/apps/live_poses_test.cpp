@@ -15,6 +15,7 @@ namespace kinloop {
 namespace {
 
 using nlohmann::json;
+using test::kBadInput;
 using test::kDone;
 using test::kWrongUse;
 using testing::HasSubstr;
@@ -89,10 +90,25 @@ TEST_F(PosesTo, AbsentReadersAreCountedAndEndNothing) {
 }
 
 TEST_F(PosesTo, WrongTargetsAreRefusedBeforeTheRun) {
-  const Run wrong = run("run sim:room -o '" + at("out") + "' --poses-to udp:5005");
-  EXPECT_EQ(wrong.exit_code, kWrongUse);
-  EXPECT_THAT(wrong.err, HasSubstr("udp:HOST:PORT"));
-  EXPECT_FALSE(std::filesystem::exists(at("out")));
+  for (const char* target : {"udp:5005", "''"}) {
+    const Run wrong = run("run sim:room -o '" + at("out") + "' --poses-to " + target);
+    EXPECT_EQ(wrong.exit_code, kWrongUse) << target;
+    EXPECT_THAT(wrong.err, HasSubstr("udp:HOST:PORT"));
+    EXPECT_FALSE(std::filesystem::exists(at("out")));
+  }
+}
+
+TEST_F(PosesTo, AClosedStandardOutputIsAnError) {
+  const Run closed = run("run " + sequence() + " -q -o '" + at("out") + "' --poses-to - >&-");
+  EXPECT_EQ(closed.exit_code, kBadInput);
+  EXPECT_THAT(closed.err, HasSubstr("--poses-to -: is closed"));
+}
+
+TEST_F(PosesTo, AFullDiskIsSaidWithItsCauseAndLeavesWholeLines) {
+  const Run full = run("run " + sequence() + " -q -o '" + at("out") + "' --poses-to /dev/full");
+  EXPECT_EQ(full.exit_code, kBadInput);
+  EXPECT_THAT(full.err, HasSubstr("12 of 12 lines could not be written (No space left on device)"));
+  EXPECT_EQ(read_tum_trajectory(at("out/trajectory.txt")).size(), 12U);
 }
 
 /// A map of one keyframe, and a frame that was tracked relative to it.
