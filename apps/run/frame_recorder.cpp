@@ -20,9 +20,9 @@ void FrameRecorder::record_pose(const TrackedFrame& tracked) {
   ages_ms_.push_back(Milliseconds(std::chrono::system_clock::now().time_since_epoch()).count() -
                      1e-6 * static_cast<double>(tracked.stamp_ns));
   if (tracked.is_lost() || tracked.doubtful) return;
-  live_poses_.push_back({feature_counts_.size(),
-                         tracked.component,
-                         {tracked.stamp_ns, tracked.T_world_camera, tracked.world_covariance}});
+  live_poses_.push_back(
+      {feature_counts_.size(), tracked.component, {tracked.stamp_ns, tracked.T_world_camera}});
+  if (with_covariances_) covariances_.push_back(tracked.world_covariance);
 }
 
 void FrameRecorder::on_frame(const TrackedFrame& tracked) {
@@ -47,10 +47,13 @@ std::vector<PoseWithCovariance> FrameRecorder::live_poses(std::span<const Logged
                                                           const Map& map) const {
   const uint32_t component = main_component(log, map);
   std::vector<PoseWithCovariance> poses;
-  for (const GivenPose& live : live_poses_) {
-    if (live.frame < log.size() && live.component == component &&
-        is_tracked_in(component, log[live.frame], map))
-      poses.push_back(live.pose);
+  for (size_t i = 0; i < live_poses_.size(); ++i) {
+    const GivenPose& live = live_poses_[i];
+    if (live.frame >= log.size() || live.component != component ||
+        !is_tracked_in(component, log[live.frame], map))
+      continue;
+    const auto& [stamp_ns, T_world_camera] = live.pose;
+    poses.push_back({stamp_ns, T_world_camera, with_covariances_ ? covariances_[i] : Matrix6d::Zero()});
   }
   return poses;
 }

@@ -19,6 +19,9 @@ const char* frame_status(const FrameRecord& tracked);
 /// they agree with trajectory.txt: frames that were lost may have been found since.
 class FrameRecorder : public Listener {
  public:
+  /// Covariances, which are most of the memory, are only compared with a ground truth.
+  explicit FrameRecorder(bool with_covariances = true) : with_covariances_(with_covariances) {}
+
   /// Records the pose of a frame as it is given, before the frame is mapped. Call for each frame.
   void record_pose(const TrackedFrame& tracked);
 
@@ -36,9 +39,9 @@ class FrameRecorder : public Listener {
   /// recordings.
   [[nodiscard]] const std::vector<double>& ages_ms() const { return ages_ms_; }
 
-  /// Returns the poses that tracking gave, each in the map as it was then, with their covariances. Frames
-  /// that were lost or doubtful are left out, and those that were in other components than the main one then,
-  /// whose world frames are their own. `log` has the same frames.
+  /// Returns the poses that tracking gave, each in the map as it was then, with their covariances, which are
+  /// zero if they were not recorded. Frames that were lost or doubtful are left out, and those that were in
+  /// other components than the main one then, whose world frames are their own. `log` has the same frames.
   [[nodiscard]] std::vector<PoseWithCovariance> live_poses(std::span<const LoggedFrame> log,
                                                            const Map& map) const;
 
@@ -47,12 +50,14 @@ class FrameRecorder : public Listener {
   struct GivenPose {
     size_t frame;        // index in the log
     uint32_t component;  // in which it was then
-    PoseWithCovariance pose;
+    StampedPose pose;
   };
 
   std::vector<int> feature_counts_;  // the log drops the features
   std::vector<double> latencies_ms_, ages_ms_;
+  bool with_covariances_;
   std::vector<GivenPose> live_poses_;
+  std::vector<Matrix6d> covariances_;  // of live_poses_, or none
 };
 
 }  // namespace kinloop

@@ -50,6 +50,7 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
       poses_only_(arguments.poses_only()),
       trajectory_copy_(arguments.trajectory),
       doubtful_(arguments.keep_doubtful ? DoubtfulPoses::kKept : DoubtfulPoses::kLeftOut),
+      frames_(!plan.source->info().ground_truth.empty()),
       plan_(plan),
       session_(session),
       depth_(plan.options.dense, plan.source->camera().depth_scale),
