@@ -10,13 +10,14 @@
 #include "apps/shared/command_line/commands.hpp"
 #include "apps/shared/command_line/common_options.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
+#include "drivers/datasets/folder_contents.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
+#include "session/store/command_files.hpp"
 
 namespace kinloop {
 namespace {
@@ -157,17 +158,33 @@ void calibrate_depth(const CalibrateArguments& arguments) {
   write_results(arguments, camera, figures, depth_section(shift), "_depth.html");
 }
 
-/// Throws before any work is done if one of the results could not be written, or would replace another.
-void require_outputs(const CalibrateArguments& arguments) {
+/// What the command reads and writes. The camera file that `depth` extends may be the one that it writes.
+CommandFiles command_files(const CalibrateArguments& arguments) {
+  CommandFiles files{
+      .outputs = outputs_of("-o", {arguments.output, arguments.sibling_file(".json"),
+                                   arguments.sibling_file(".html"), arguments.sibling_file("_depth.html")})};
+  const std::vector<std::filesystem::path> folders = {arguments.folder, arguments.color, arguments.infrared};
+  for (const auto& stills : folders) {
+    files.inputs.push_back(stills);
+    std::error_code error;
+    for (std::filesystem::directory_iterator still(stills, error), end; !error && still != end;
+         still.increment(error)) {
+      if (is_color_name(still->path()) || is_depth_name(still->path())) files.inputs.push_back(still->path());
+    }
+  }
+  return files;
+}
+
+/// Throws before any work is done if one of the results could not be written, or would replace another or an
+/// input.
+void check_outputs(const CalibrateArguments& arguments) {
   const std::string extension = arguments.output.extension().string();
   if (extension == ".json" || extension == ".html")
     throw UsageError(
         fmt::format("-o {}: a result of that name is written beside the camera file; its name must end in "
                     ".yaml",
                     arguments.output.string()));
-  for (const auto& path : {arguments.output, arguments.sibling_file(".json"), arguments.sibling_file(".html"),
-                           arguments.sibling_file("_depth.html")})
-    require_writable_file(path);
+  require_outputs(command_files(arguments));
 }
 
 void add_common(CLI::App& command, const std::shared_ptr<CalibrateArguments>& a) {
@@ -201,7 +218,7 @@ void add_calibrate_command(CLI::App& app) {
     CLI::App* sub = command->add_subcommand(name, help);
     add_common(*sub, arguments);
     sub->callback([arguments, work] {
-      require_outputs(*arguments);
+      check_outputs(*arguments);
       work(*arguments);
     });
     return std::pair(sub, arguments);

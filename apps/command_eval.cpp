@@ -9,9 +9,9 @@
 #include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/time.hpp"
+#include "session/store/command_files.hpp"
 #include "session/store/named_trajectory.hpp"
 #include "tools/evaluation/compare.hpp"
 #include "tools/evaluation/report/evaluation_plot.hpp"
@@ -70,7 +70,12 @@ void run_eval(const EvalArguments& arguments) {
   auto estimates = arguments.trajectories;
   const std::filesystem::path truth_path = estimates.back();
   if (estimates.size() > 1) estimates.pop_back();  // else a run that has its ground truth
-  if (!arguments.plot.empty()) require_writable_file(arguments.plot);
+  CommandFiles files{.outputs = {{"--plot", arguments.plot}}};
+  for (const auto& path : arguments.trajectories) {
+    add_input(files, path);
+    for (const auto& file : trajectories_in(path)) files.inputs.push_back(file);
+  }
+  require_outputs(files);
 
   const NamedTrajectory truth{truth_path.string(), open_ground_truth(truth_path)};
   std::vector<NamedEvaluation> evaluations;

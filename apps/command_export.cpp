@@ -21,6 +21,7 @@
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/loop/correction/correct_loop.hpp"
+#include "session/store/command_files.hpp"
 #include "session/store/export_sparse_model.hpp"
 #include "session/store/map_store.hpp"
 #include "tools/export/g2o/g2o_file.hpp"
@@ -91,12 +92,6 @@ struct ExportArguments {
 
   [[nodiscard]] bool wants_nothing() const { return files().empty() && folders().empty(); }
 
-  /// Throws before any work is done if a result could not be written.
-  void require_writable() const {
-    for (const auto& path : files()) require_writable_file(path);
-    for (const auto& path : folders()) require_writable_folder(path);
-  }
-
  private:
   static std::vector<std::filesystem::path> given(std::vector<std::filesystem::path> paths) {
     std::erase(paths, std::filesystem::path());
@@ -159,33 +154,25 @@ void write_occupancy(const ExportArguments& arguments, OpenMap& open, const Prog
   if (!arguments.grid.empty()) write_grid(arguments.grid, occupancy.grid());
 }
 
-/// Throws UsageError if two options name one file.
-void require_distinct_files(const ExportArguments& a) {
-  const std::vector<std::pair<const char*, const std::filesystem::path*>> all = {
-      {"--poses", &a.poses},
-      {"--cloud", &a.cloud},
-      {"--octomap", &a.octomap},
-      {"--grid", &a.grid},
-      {"--trajectory", &a.trajectory},
-      {"--keyframes", &a.keyframes},
-      {"--graph", &a.graph},
-      {"--mcap", &a.mcap},
-      {"--rrd", &a.rrd}};
-  const auto canonical = [](const std::filesystem::path& path) {
-    std::error_code unknown;
-    const auto found = std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown);
-    return unknown ? path : found;
-  };
-  for (size_t i = 0; i < all.size(); ++i) {
-    for (size_t j = i + 1; j < all.size(); ++j) {
-      const auto& [first, one] = all[i];
-      const auto& [second, other] = all[j];
-      if (one->empty() || other->empty() || canonical(*one) != canonical(*other)) continue;
-      if (std::filesystem::exists(*one) && output_place(*one).is_stream) continue;
-      throw UsageError(
-          fmt::format("{} and {}: both name {}; give different names", first, second, one->string()));
-    }
-  }
+/// What the command reads and writes.
+CommandFiles command_files(const ExportArguments& a) {
+  std::filesystem::path description = a.grid;
+  if (!a.grid.empty()) description.replace_extension(".yaml");
+  CommandFiles files{.inputs = {map_file_of(a.map), a.poses},
+                     .outputs = {{"--cloud", a.cloud},
+                                 {"--octomap", a.octomap},
+                                 {"--grid", a.grid},
+                                 {"--grid", description},
+                                 {"--trajectory", a.trajectory},
+                                 {"--keyframes", a.keyframes},
+                                 {"--graph", a.graph},
+                                 {"--mcap", a.mcap},
+                                 {"--rrd", a.rrd}},
+                     .results = {{{"--colmap", a.colmap},
+                                  {"sparse/0/cameras.txt", "sparse/0/images.txt", "sparse/0/points3D.txt"}},
+                                 {{"--nerfstudio", a.nerfstudio}, {"transforms.json"}}}};
+  if (!a.recording.empty()) add_sequence_input(files, a.recording);
+  return files;
 }
 
 /// Throws before any work is done if the arguments make no sense or a result could not be written.
@@ -209,13 +196,17 @@ void check(const ExportArguments& arguments) {
   if (arguments.folders().empty() && arguments.rrd.empty() &&
       (arguments.images > 0 || !arguments.recording.empty()))
     throw UsageError("--images and --recording are for --colmap, --nerfstudio and --rrd; give one of them");
-  require_distinct_files(arguments);
-  const auto map = map_file_of(arguments.map);
-  require_different_file("--trajectory", arguments.trajectory, map);
-  require_different_file("--keyframes", arguments.keyframes, map);
-  require_different_file("--graph", arguments.graph, map);
-  arguments.require_writable();
+  require_outputs(command_files(arguments));
+  for (const auto& folder : arguments.folders()) require_writable_folder(folder);
   if (!arguments.rrd.empty()) require_rerun();
+}
+
+/// Throws UsageError if an output would replace a file of the recording that the map names.
+void check_recording(const ExportArguments& a, const OpenMap& open) {
+  if (a.images == 0 || !a.recording.empty() || open.saved.sessions.empty()) return;
+  CommandFiles files = command_files(a);
+  add_sequence_input(files, open.saved.sessions[open.session_index(a.session)].input);
+  require_outputs(files);
 }
 
 /// Writes what shows the images of the map, and more of its recording.
@@ -234,6 +225,7 @@ void run_export(const ExportArguments& arguments) {
   check(arguments);
   install_interrupt_handler();
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
+  check_recording(arguments, open);
   const Progress progress = interruptible(make_progress_bar(arguments.quiet));
   write_trajectories(arguments, open);
   if (!arguments.graph.empty()) {

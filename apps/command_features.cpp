@@ -19,6 +19,7 @@
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/features/extraction/surf.hpp"
+#include "session/store/command_files.hpp"
 #include "tools/feature_comparison/detectors.hpp"
 
 namespace kinloop {
@@ -187,9 +188,25 @@ Examples:
   kinloop features before.png after.png -o pictures
   kinloop features photo.jpg -o pictures --set count=500)";
 
+/// What the command reads, and the pictures that it writes.
+CommandFiles command_files(const ComparisonArguments& arguments) {
+  CommandFiles files{.inputs = {arguments.request.other_image, arguments.request.camera.camera}};
+  add_sequence_input(files, arguments.request.input);
+  NamedResults pictures{{"-o", arguments.pictures}, {}};
+  for (const char* detector : {"sift", "surf", "orb-opencv", "orb"}) {
+    for (const char* step : {"all", "screened", "inliers"})
+      pictures.names.push_back(fmt::format("{}_{}.png", detector, step));
+  }
+  files.results = {pictures};
+  return files;
+}
+
 void run_features(ComparisonArguments arguments, const std::vector<std::string>& assignments, bool as_json) {
   arguments.features = with_assignments(FeatureOptions{}, assignments);
-  if (!arguments.pictures.empty()) require_writable_folder(arguments.pictures);
+  if (!arguments.pictures.empty()) {
+    require_outputs(command_files(arguments));
+    require_writable_folder(arguments.pictures);
+  }
   const auto figures = compare_detectors(arguments);
   if (as_json) {
     fmt::print("{}\n", json_text(comparison_json(figures), 2));

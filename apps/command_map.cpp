@@ -13,10 +13,10 @@
 #include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "session/store/command_files.hpp"
 #include "session/store/map_store.hpp"
 
 namespace kinloop {
@@ -91,9 +91,7 @@ struct MergeArguments {
 };
 
 void merge(const MergeArguments& arguments) {
-  for (const auto& input : {arguments.maps.a, arguments.maps.b})
-    require_different_file("-o", arguments.output, map_file_of(input));
-  require_writable_file(arguments.output);
+  require_outputs({.inputs = inputs_of(arguments.maps), .outputs = {{"-o", arguments.output}}});
   const MergedMaps merged = merge_maps(arguments.maps, make_progress_bar(arguments.quiet));
   MapSaver(arguments.output, {*merged.slam, *merged.recorder, merged.options, {}}, 0).save();
   if (merged.loops_between == 0) {

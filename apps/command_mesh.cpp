@@ -11,8 +11,8 @@
 #include "dense/files/mesh_file.hpp"
 #include "dense/texture/texture_mesh.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "session/store/command_files.hpp"
 #include "session/store/map_store.hpp"
 
 namespace kinloop {
@@ -35,6 +35,7 @@ void require_mesh_name(const std::filesystem::path& output) {
 }
 
 void require_textured_mesh_name(const std::filesystem::path& output) {
+  require_texture_name(output);
   if (is_textured_mesh_file(output)) return;
   throw UsageError(fmt::format("-o {}: {} has no texture; write {}, or leave out --texture", output.string(),
                                output.extension().string(), kTexturedMeshExtensions));
@@ -64,7 +65,9 @@ void make_mesh(MeshArguments arguments) {
     require_textured_mesh_name(arguments.output);
     arguments.assignments.push_back("mesh.texture_px=" + arguments.texture_px);
   }
-  require_writable_file(arguments.output);
+  CommandFiles files{.inputs = {map_file_of(arguments.map), arguments.poses}, .outputs = {}};
+  files.outputs = outputs_of("-o", mesh_files(arguments.output));
+  require_outputs(files);
   const Stopwatch watch;
   OpenMap open = open_map(arguments.map, arguments.assignments, arguments.poses);
   const MeshOptions& options = open.options.mesh;

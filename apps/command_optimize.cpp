@@ -17,6 +17,7 @@
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
+#include "session/store/command_files.hpp"
 #include "tools/export/g2o/g2o_file.hpp"
 #include "viewer/report/graph_report.hpp"
 
@@ -57,21 +58,17 @@ PoseGraphOptions pose_graph_options(const OptimizeArguments& arguments) {
   return with_assignments(PoseGraphOptions{}, assignments);
 }
 
-/// Throws before any work is done if a result could not be written.
+/// Throws before any work is done if a result could not be written, or would replace the input.
 void check_outputs(const OptimizeArguments& arguments) {
-  std::error_code ignored;
-  const auto is_input = [&](const std::filesystem::path& path) {
-    return std::filesystem::equivalent(arguments.input, path, ignored);
-  };
-  if (!arguments.overwrite && is_input(arguments.output)) {
-    throw UsageError(fmt::format("{} is the input; choose another -o, or use --overwrite to replace it",
-                                 arguments.output.string()));
+  CommandFiles files{.inputs = {arguments.input}, .outputs = {{"--report", arguments.report}}};
+  std::error_code absent;
+  if (arguments.overwrite && std::filesystem::equivalent(arguments.input, arguments.output, absent)) {
+    require_writable_file(arguments.output);  // the graph is read before it is replaced
+  } else {
+    files.outputs.push_back(
+        {"-o", arguments.output, "give another name, or --overwrite to replace the input"});
   }
-  if (is_input(arguments.report)) {
-    throw UsageError(fmt::format("{} is the input; choose another --report", arguments.report.string()));
-  }
-  if (arguments.report == arguments.output) throw UsageError("-o and --report name the same file");
-  for (const auto& path : {arguments.output, arguments.report}) require_writable_file(path);
+  require_outputs(files);
 }
 
 /// Warns of problems of the file that affect the result.

@@ -15,10 +15,10 @@
 #include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
+#include "session/store/command_files.hpp"
 #include "session/store/map_store.hpp"
 #include "tools/floor_plan/drawing/draw_plan.hpp"
 
@@ -47,9 +47,9 @@ void check(const PlanArguments& arguments) {
     if (!is_plan_file(output)) {
       throw UsageError(fmt::format("-o {}: the name must end in .svg, .pdf, .png or .json", output.string()));
     }
-    require_different_file("-o", output, map_file_of(arguments.map));
-    require_writable_file(output);
   }
+  require_outputs({.inputs = {map_file_of(arguments.map), arguments.poses},
+                   .outputs = outputs_of("-o", arguments.outputs)});
 }
 
 /// Returns the name of the folder of a run, or of a map file elsewhere.

@@ -12,6 +12,7 @@
 #include "apps/shared/files/recorder.hpp"
 #include "apps/shared/terminal/interrupt.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
+#include "drivers/datasets/tum_writer.hpp"
 #include "drivers/kinect2/kinect2_raw.hpp"
 #include "drivers/live/paced_source.hpp"
 #include "kinloop/core/errors.hpp"
@@ -20,6 +21,7 @@
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "session/source/open_frame_source.hpp"
+#include "session/store/command_files.hpp"
 
 namespace kinloop {
 namespace {
@@ -47,6 +49,18 @@ SourceRequest request_of(const RecordArguments& arguments) {
   return request;
 }
 
+/// What the command reads, and the recording that it writes.
+CommandFiles command_files(const RecordArguments& arguments) {
+  CommandFiles files{.inputs = {arguments.camera.camera}};
+  add_sequence_input(files, arguments.source);
+  if (arguments.output.extension() == ".mcap") {
+    files.outputs = {{"-o", arguments.output}};
+  } else {
+    files.results = {{{"-o", arguments.output}, tum_file_names()}};
+  }
+  return files;
+}
+
 /// Returns whether the requested number of frames or seconds is reached.
 bool limit_reached(const RecordArguments& arguments, size_t frames, const Stopwatch& watch) {
   return (arguments.frames > 0 && frames >= arguments.frames) ||
@@ -70,6 +84,7 @@ void record_raw(const RecordArguments& arguments) {
 
 void record(const RecordArguments& arguments) {
   if (arguments.raw) return record_raw(arguments);
+  require_outputs(command_files(arguments));
   auto source = open_frame_source(request_of(arguments));
   const PacedSource* paced = nullptr;
   if (arguments.pace_hz > 0) {

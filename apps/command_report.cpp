@@ -12,6 +12,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
+#include "session/store/command_files.hpp"
 
 namespace kinloop {
 namespace {
@@ -32,7 +33,9 @@ void report(const ReportArguments& arguments) {
     return;
   }
   const std::filesystem::path page = arguments.page.empty() ? "comparison.html" : arguments.page;
-  require_writable_file(page);
+  CommandFiles files{.outputs = {{"-o", page}}};
+  for (const auto& run : runs) add_input(files, run);
+  require_outputs(files);
   write_comparison(runs, page);
   print_text(fmt::format("{}\n", page.string()), message_stream(page));
 }

@@ -14,6 +14,7 @@
 #include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "session/process.hpp"
+#include "session/store/command_files.hpp"
 
 namespace kinloop {
 
@@ -40,6 +41,10 @@ Examples:
   kinloop reproduce rgbd_dataset_freiburg1_room --images photos --stills kinect2_stills -o reproduced)";
 
 void reproduce(const ReproduceArguments& arguments) {
+  CommandFiles files{.results = {{{"-o", arguments.output}, {}}}};
+  add_sequence_input(files, arguments.sequence);
+  files.recordings.insert(files.recordings.end(), {arguments.images, arguments.stills});
+  require_outputs(files);
   require_writable_folder(arguments.output);
   ReproduceFolder folder{arguments, {}};
   std::string page = fmt::format(

@@ -16,15 +16,51 @@
 #include "apps/shared/terminal/interrupt.hpp"
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
+#include "drivers/datasets/camera_selection.hpp"
+#include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/io/run_folder.hpp"
 #include "session/plan/run_plan.hpp"
 #include "session/session.hpp"
+#include "session/store/command_files.hpp"
 
 namespace kinloop {
 namespace {
 
-/// Throws UsageError if arguments contradict each other.
+/// Returns the camera file above the folder of a sequence that has none itself; empty if that is of a run.
+std::filesystem::path camera_above(const std::filesystem::path& folder) {
+  const auto above = std::filesystem::absolute(folder / "").lexically_normal().parent_path().parent_path();
+  std::error_code absent;
+  if (!std::filesystem::is_directory(folder, absent) || preset_of_folder(folder) ||
+      std::filesystem::exists(folder / "camera.yaml", absent) ||
+      std::filesystem::exists(above / "run.json", absent))
+    return {};
+  return above / "camera.yaml";
+}
+
+/// What the run reads and writes. A continued map may be saved under its own name: it holds all of the old
+/// one.
+CommandFiles command_files(const RunArguments& arguments) {
+  const auto& [source, camera, pace_hz, remember, settings] = arguments.request;
+  const auto map = settings.load_map.empty() ? settings.load_map : map_file_of(settings.load_map);
+  const auto continues = [&](const std::filesystem::path& output) {
+    std::error_code absent;
+    return std::filesystem::equivalent(output, map, absent);
+  };
+  CommandFiles files{.inputs = {camera.camera, source.mask, settings.vocabulary, map},
+                     .outputs = {{"--trajectory", arguments.trajectory}},
+                     .results = {{{"-o", arguments.output}, run_file_names()}}};
+  add_sequence_input(files, source.sequence);
+  if (camera.camera.empty() && camera.intrinsics.empty())
+    files.inputs.push_back(camera_above(sequence_folder(source.sequence)));
+  if (continues(arguments.output / kMapFileName)) std::erase(files.results.front().names, kMapFileName);
+  if (!continues(arguments.save_map)) files.outputs.push_back({"--save-map", arguments.save_map});
+  if (is_file_target(arguments.poses_to)) files.outputs.push_back({"--poses-to", arguments.poses_to});
+  return files;
+}
+
+/// Throws UsageError if arguments contradict each other, or a result would replace what the run reads.
 void check_arguments(const RunArguments& arguments) {
   const RunRequest& request = arguments.request;
   if (request.source.sequence.empty())
@@ -36,6 +72,7 @@ void check_arguments(const RunArguments& arguments) {
   if (request.settings.localize && !arguments.save_map.empty())
     throw UsageError("--localize does not change the map: it cannot be combined with --save-map");
   check_line_target(arguments.poses_to);
+  require_outputs(command_files(arguments));
 }
 
 /// How the frames ended.

@@ -12,8 +12,7 @@
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
-#include "session/store/map_store.hpp"
+#include "session/store/command_files.hpp"
 #include "viewer/saved/saved_map.hpp"
 #include "viewer/saved/shared_page.hpp"
 
@@ -31,8 +30,10 @@ struct ShareArguments {
 };
 
 void share(const ShareArguments& arguments) {
-  require_different_file("-o", arguments.output, arguments.path);
-  require_writable_file(arguments.output);
+  CommandFiles files{.inputs = {arguments.path / "mesh.ply", arguments.path / "mesh.glb"},
+                     .outputs = {{"-o", arguments.output}}};
+  add_input(files, arguments.path);
+  require_outputs(files);
   install_interrupt_handler();
   SavedRun run = read_shown(arguments.path, interruptible(make_progress_bar(arguments.quiet)));
   select_contents(run, arguments.mesh, arguments.points.has_value(), arguments.path);

@@ -20,6 +20,7 @@
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
+#include "session/store/command_files.hpp"
 #include "simulator/simulated_source.hpp"
 
 namespace kinloop {
@@ -64,6 +65,7 @@ void write_mover_mask(const std::filesystem::path& folder, const SimulatedSource
 void simulate(const SimulateArguments& arguments, const SimulationOptions& options) {
   std::optional<std::filesystem::path> path;
   if (!arguments.path.empty()) path = arguments.path;
+  require_outputs({.inputs = {arguments.path}, .results = {{{"-o", arguments.output}, tum_file_names()}}});
   require_no_sequence(arguments.output);
   const std::string spec = fmt::format("sim:{}:{}", arguments.scene, arguments.seed);
   const auto source = make_simulated_source(spec, options, arguments.threads, path);

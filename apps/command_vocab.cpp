@@ -8,10 +8,10 @@
 
 #include "apps/shared/command_line/commands.hpp"
 #include "apps/vocab/vocab_train.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
+#include "session/store/command_files.hpp"
 #include "tools/vocabulary_training/dbow2_text.hpp"
 
 namespace kinloop {
@@ -43,7 +43,7 @@ void add_conversion(CLI::App& vocab, const char* name, const char* help, const c
   command->add_option("file", arguments->input, input_help)->required();
   command->add_option("-o,--output", arguments->output, "the file to write")->required();
   command->callback([arguments, convert] {
-    require_writable_file(arguments->output);
+    require_outputs({.inputs = {arguments->input}, .outputs = {{"-o", arguments->output}}});
     convert(arguments->input, arguments->output);
   });
 }

@@ -8,8 +8,8 @@
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
 #include "dense/files/ply.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
+#include "session/store/command_files.hpp"
 
 namespace kinloop {
 namespace {
@@ -41,9 +41,7 @@ std::string text_of(const MapDifference& difference, const FileFrame& frame) {
 }
 
 void diff(const DiffArguments& arguments) {
-  for (const auto& input : {arguments.maps.a, arguments.maps.b})
-    require_different_file("-o", arguments.output, map_file_of(input));
-  require_writable_file(arguments.output);
+  require_outputs({.inputs = inputs_of(arguments.maps), .outputs = {{"-o", arguments.output}}});
   install_interrupt_handler();
   const Progress progress = interruptible(make_progress_bar(arguments.quiet || arguments.as_json));
   const ComparedMaps compared = compare_maps(arguments.maps, progress);

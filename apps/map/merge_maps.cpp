@@ -41,6 +41,10 @@ MergedMaps merge_maps(const MergeRequest& request, const Progress& progress) {
   return merged;
 }
 
+std::vector<std::filesystem::path> inputs_of(const MergeRequest& request) {
+  return {map_file_of(request.a), map_file_of(request.b), request.vocabulary};
+}
+
 void add_map_arguments(CLI::App& command, MergeRequest& maps) {
   command.add_option("A", maps.a, "a map file, or the folder of a run; its world frame is kept")->required();
   command.add_option("B", maps.b, "another map file or folder of a run")->required();

@@ -33,6 +33,9 @@ struct MergedMaps {
 /// are of different cameras.
 MergedMaps merge_maps(const MergeRequest& request, const Progress& progress);
 
+/// Returns the files that a merge reads. Throws InputError for a folder without a map.
+std::vector<std::filesystem::path> inputs_of(const MergeRequest& request);
+
 /// Adds A, B, --vocabulary and --set to a command.
 void add_map_arguments(CLI::App& command, MergeRequest& maps);
 

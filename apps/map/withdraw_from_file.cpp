@@ -12,7 +12,6 @@
 
 #include "apps/map/components_of.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
@@ -21,6 +20,7 @@
 #include "kinloop/sensor/sensor_estimate.hpp"
 #include "kinloop/slam/saved_session.hpp"
 #include "session/plan/run_plan.hpp"
+#include "session/store/command_files.hpp"
 #include "session/store/map_store.hpp"
 
 namespace kinloop {
@@ -139,8 +139,7 @@ void withdraw_loops(SavedMap& saved, std::span<const LoopEnds> loops, const Sens
 }
 
 WithdrawalResult withdraw_from_file(const WithdrawalRequest& request, const Progress& progress) {
-  require_different_file("-o", request.output, request.map);
-  require_writable_file(request.output);
+  require_outputs({.inputs = {request.map}, .outputs = {{"-o", request.output}}});
   const MapReader reader(request.map);
   SavedMap saved = read_map_with_warnings(reader, request.map);
   const std::vector<LoopEnds> loops = find_loops(request, saved.map);

@@ -11,7 +11,6 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/text/json.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/loop/correction/correct_loop.hpp"
@@ -29,7 +28,6 @@ std::unique_ptr<MapSaver> saver_of(const RunArguments& arguments, const RunFolde
                                    const MapSaver::Contents& what) {
   if (arguments.request.settings.localize) return nullptr;
   const auto path = arguments.save_map.empty() ? folder.map_file() : arguments.save_map;
-  require_writable_file(path);
   if (output_place(path).is_stream)
     throw UsageError(fmt::format(
         "--save-map {}: not a regular file, which is needed to save the map repeatedly", path.string()));
@@ -50,15 +48,14 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
       poses_only_(arguments.poses_only()),
       trajectory_copy_(arguments.trajectory),
       doubtful_(arguments.keep_doubtful ? DoubtfulPoses::kKept : DoubtfulPoses::kLeftOut),
-      frames_(!plan.source->info().ground_truth.empty()),
       plan_(plan),
       session_(session),
+      frames_(!plan.source->info().ground_truth.empty()),
       depth_(plan.options.dense, plan.source->camera().depth_scale),
       saver_(saver_of(arguments, folder_,
                       {session.slam(), session.recorder(), plan.options, arguments.request.source.sequence})),
       outcome_{plan, session.slam()} {
   if (saver_ && !arguments.save_map.empty()) map_lock_.emplace(saver_->path());  // the folder is locked
-  if (!trajectory_copy_.empty()) require_writable_file(trajectory_copy_);
   session.add_listener(frames_);
   session.add_listener(depth_);
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,12 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/anonymous_temp_file.hpp"
 #include "kinloop/core/files/output_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/core/options.hpp"
 #include "kinloop/core/stopwatch.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
+#include "session/store/command_files.hpp"
 #include "tools/vocabulary_training/communicator.hpp"
 #include "tools/vocabulary_training/descriptors/descriptor_file.hpp"
 #include "tools/vocabulary_training/descriptors/training_images.hpp"
@@ -63,9 +64,16 @@ DescribeOptions make_description(const InputArguments& arguments) {
   return {arguments.features, *kind, arguments.threads};
 }
 
-/// Throws InputError unless the output can be written, and read again for its figures.
-void require_regular_output(const fs::path& path) {
-  require_writable_file(path);
+/// Throws UsageError if the output is an input, InputError unless it can be written, and read again for its
+/// figures.
+void require_regular_output(const fs::path& path, std::span<const fs::path> inputs,
+                            std::span<const fs::path> held_out = {}) {
+  CommandFiles files{.outputs = {{"-o", path}}};
+  for (const auto& list : {list_training_input(inputs), list_training_input(held_out)}) {
+    files.inputs.insert(files.inputs.end(), list.images.begin(), list.images.end());
+    files.inputs.insert(files.inputs.end(), list.descriptor_files.begin(), list.descriptor_files.end());
+  }
+  require_outputs(files);
   if (output_place(path).is_stream)
     throw InputError(fmt::format("{}: is not a file; give the name of a file", path.string()));
 }
@@ -92,7 +100,7 @@ void train(const TrainArguments& arguments) {
   const auto ranks = join_mpi();
   const bool first = ranks->rank() == 0;
   const Progress progress = make_progress_bar(arguments.input.quiet || !first);
-  if (first) require_regular_output(arguments.input.output);
+  if (first) require_regular_output(arguments.input.output, arguments.input.inputs, arguments.held_out);
   const DescribeOptions description = make_description(arguments.input);
   ScratchMemory memory(arguments.memory_mb << 20, arguments.scratch);
 
@@ -120,7 +128,7 @@ void train(const TrainArguments& arguments) {
 
 void describe(const InputArguments& arguments) {
   const DescribeOptions description = make_description(arguments);
-  require_regular_output(arguments.output);
+  require_regular_output(arguments.output, arguments.inputs);
   const TrainingInput input = list_training_input(arguments.inputs);
   if (!input.descriptor_files.empty()) {
     throw UsageError(fmt::format("{}: contains descriptors already; use it with 'kinloop vocab train'",

@@ -5,6 +5,7 @@
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "drivers/datasets/truth/truth.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"
 
 namespace kinloop {
@@ -12,6 +13,8 @@ OpenedSequence read_sequence(const std::filesystem::path& given_path,
                              const std::optional<CameraArgument>& camera_argument,
                              std::optional<double> depth_scale) {
   const std::filesystem::path path = sequence_folder(given_path);
+  if (path != given_path)
+    log::info("{}: contains one sequence, {}, which is taken", given_path.string(), path.string());
   const SequenceLayout* layout = recognise_layout(path);
   if (layout == nullptr) reject_sequence(path, camera_argument.has_value());
   OpenedSequence opened{layout->read(path), {}};

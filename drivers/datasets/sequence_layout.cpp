@@ -11,7 +11,6 @@
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/core/log.hpp"
 #include "kinloop/core/text/did_you_mean.hpp"
 
 namespace kinloop {
@@ -173,9 +172,7 @@ fs::path sequence_folder(const fs::path& path) {
   const FolderContents contents(path);
   if (is_incomplete_tum(contents) || is_run_folder(contents)) return path;
   const auto below = sequences_below(path);
-  if (below.size() != 1) return path;
-  log::info("{}: contains one sequence, {}, which is taken", path.string(), below.front());
-  return below.front();
+  return below.size() == 1 ? fs::path(below.front()) : path;
 }
 
 void reject_sequence(const fs::path& path, bool camera_known) {

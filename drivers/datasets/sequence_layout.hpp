@@ -12,8 +12,7 @@ namespace kinloop {
 /// Returns whether the list of frames exists: associations.txt, or rgb.txt and depth.txt.
 bool has_tum_lists(const std::filesystem::path& folder);
 
-/// Returns the path, or the only sequence up to four folders below a folder that is none itself, which is
-/// said.
+/// Returns the path, or the only sequence up to four folders below a folder that is none itself.
 std::filesystem::path sequence_folder(const std::filesystem::path& path);
 
 /// Throws InputError for a path in no known layout. The message says what it looks like (the layout

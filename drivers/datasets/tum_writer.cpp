@@ -1,5 +1,6 @@
 #include "drivers/datasets/tum_writer.hpp"
 
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@ namespace kinloop {
 namespace {
 
 constexpr const char* kWrittenLists[] = {"rgb.txt", "depth.txt", "associations.txt", "groundtruth.txt"};
+constexpr const char* kCameraName = "camera.yaml";
 
 std::string color_name(const Frame& frame) {
   return fmt::format("rgb/{}.{}", format_stamp(frame.stamp_ns), frame.color.jpeg().empty() ? "png" : "jpg");
@@ -26,6 +28,12 @@ std::string depth_name(int64_t stamp_ns) {
 }
 
 }  // namespace
+
+std::vector<std::string> tum_file_names() {
+  std::vector<std::string> names(std::begin(kWrittenLists), std::end(kWrittenLists));
+  names.emplace_back(kCameraName);
+  return names;
+}
 
 void require_no_sequence(const std::filesystem::path& folder) {
   std::error_code error;
@@ -47,7 +55,7 @@ TumWriter::TumWriter(std::filesystem::path folder, const RgbdCamera& camera)
   require_no_sequence(folder_);
   lock_ = std::make_unique<const FolderLock>(folder_);
   for (const char* images : {"rgb", "depth"}) require_writable_folder(folder_ / images);
-  write_camera_file(folder_ / "camera.yaml", camera);
+  write_camera_file(folder_ / kCameraName, camera);
 }
 
 void TumWriter::append(const Frame& frame) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "kinloop/core/files/folder_lock.hpp"
 #include "kinloop/geometry/trajectory.hpp"
@@ -13,6 +14,9 @@
 #include "kinloop/sensor/frame.hpp"
 
 namespace kinloop {
+
+/// Returns the names of the files, but for the images, that a sequence consists of.
+std::vector<std::string> tum_file_names();
 
 /// Throws InputError if `folder` already holds a sequence or is not writable.
 void require_no_sequence(const std::filesystem::path& folder);

@@ -27,10 +27,9 @@ RunFolder::RunFolder(std::filesystem::path path) : path_(std::move(path)) {
 void RunFolder::remove_leftovers() const {
   clear_abandoned_files(loop_images());
   // Version 0.1 wrote NAME.tmp.
-  for (const auto& file : {trajectory(), keyframes(), ground_truth(), frames(), map(), map_file(), camera(),
-                           graph(), run_json(), report()}) {
+  for (const std::string& name : run_file_names()) {
     std::error_code ignored;
-    const std::filesystem::path leftover = file.string() + ".tmp";
+    const std::filesystem::path leftover = path_ / (name + ".tmp");
     if (std::filesystem::is_regular_file(leftover, ignored)) std::filesystem::remove(leftover, ignored);
   }
 }
@@ -39,6 +38,17 @@ RunFolder RunFolder::open_existing(std::filesystem::path path) {
   RunFolder folder;
   folder.path_ = std::move(path);
   return folder;
+}
+
+std::vector<std::string> run_file_names() {
+  const RunFolder folder = RunFolder::open_existing({});
+  std::vector<std::string> names;
+  for (const auto& file :
+       {folder.trajectory(), folder.live(), folder.covariances(), folder.keyframes(), folder.ground_truth(),
+        folder.frames(), folder.map(), folder.map_file(), folder.camera(), folder.mask(), folder.graph(),
+        folder.run_json(), folder.report()})
+    names.push_back(file.string());
+  return names;
 }
 
 nlohmann::json read_run_json(const std::filesystem::path& path) {

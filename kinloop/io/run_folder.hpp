@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,9 @@ namespace kinloop {
 
 /// Name of the map file in a run folder.
 constexpr const char* kMapFileName = "map.kinmap";
+
+/// Returns the names of the files that a run writes into its folder.
+std::vector<std::string> run_file_names();
 
 /// A writable folder and the file names in it, which scripts rely on.
 class RunFolder {

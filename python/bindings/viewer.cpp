@@ -4,12 +4,12 @@
 
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/files/writable_check.hpp"
 #include "python/bindings/dense.hpp"
 #include "python/bindings/gil.hpp"
 #include "python/bindings/map_file.hpp"
 #include "python/bindings/options.hpp"
 #include "python/bindings/result.hpp"
+#include "session/store/command_files.hpp"
 #include "viewer/saved/saved_map.hpp"
 #include "viewer/saved/saved_run.hpp"
 #include "viewer/saved/shared_page.hpp"
@@ -131,8 +131,9 @@ void share(const py::object& what, const std::filesystem::path& file, std::optio
   if (points) limits.points = *points;
   const auto path = path_of(what);
   without_gil([&] {
-    if (!path.empty()) require_different_file("file", file, path);
-    require_writable_file(file);
+    CommandFiles files{.outputs = {{"file", file}}};
+    add_input(files, path);
+    require_outputs(files);
   });
   SavedRun run = shown(what, "share");
   without_gil([&] {

@@ -92,14 +92,6 @@ std::filesystem::path map_file_of(const std::filesystem::path& file_or_folder) {
   return path;
 }
 
-void require_different_file(const char* option, const std::filesystem::path& output,
-                            const std::filesystem::path& input) {
-  std::error_code absent;
-  if (!std::filesystem::equivalent(output, input, absent)) return;
-  throw UsageError(
-      fmt::format("{} {}: would overwrite the input map; give another name", option, output.string()));
-}
-
 void require_images(size_t count, const std::filesystem::path& map) {
   if (count > 0) return;
   throw InputError(

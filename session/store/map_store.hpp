@@ -93,10 +93,6 @@ struct ContinuedMap {
 /// Opens a map file, or that of a run's folder, to continue it; nullopt for an empty path.
 std::optional<ContinuedMap> open_continued_map(const std::filesystem::path& file_or_folder);
 
-/// Throws UsageError naming `option` if the output would overwrite the input.
-void require_different_file(const char* option, const std::filesystem::path& output,
-                            const std::filesystem::path& input);
-
 /// Throws InputError if a map has no images with known poses: a result made of them would be empty, and would
 /// replace an earlier one.
 void require_images(size_t count, const std::filesystem::path& map);

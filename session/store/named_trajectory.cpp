@@ -37,6 +37,13 @@ bool is_folder(const fs::path& path) {
 
 }  // namespace
 
+std::vector<fs::path> trajectories_in(const fs::path& folder) {
+  std::vector<fs::path> files = {folder / kTruth};
+  for (const char* name : kEstimates) files.push_back(folder / name);
+  for (const char* name : kEurocTruths) files.push_back(folder / name);
+  return files;
+}
+
 TrajectoryFile open_estimate(const fs::path& path) {
   if (!is_folder(path)) return read_trajectory_file(path);
   if (const auto file = first_in(path, kEstimates)) return read_trajectory_file(*file);

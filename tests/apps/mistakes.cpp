@@ -115,7 +115,7 @@ std::vector<MisuseCase> file_mistakes() {
   return {
       {"run seq -o seq/rgb.txt", kBadInput, {"seq/rgb.txt", "choose another output folder"}},
       {"run seq -o /proc/kinloop/out", kBadInput, {"/proc/kinloop/out", "choose another output folder"}},
-      {"run seq -o seq", kBadInput, {"seq: holds a sequence", "choose another folder"}},
+      {"run seq -o seq", kWrongUse, {"seq: is the folder of the recording", "choose another folder"}},
       {"run seq --save-map empty", kBadInput, {"empty: is a folder", "the name of a file in it"}},
       {"run seq --load-map nowhere.kinmap", kBadInput, {"nowhere.kinmap: no such file"}},
       {"run seq --load-map seq", kBadInput, {"seq: has no map.kinmap", "the folder of a run"}},
