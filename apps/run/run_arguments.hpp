@@ -18,7 +18,7 @@ struct RunArguments {
   bool quiet = false;
   bool profile = false;
   bool verbose = false;
-  std::string viewer;                   ///< [ADDRESS:]PORT; empty: none
+  std::string viewer;    ///< [ADDRESS:]PORT; empty: none
   std::string poses_to;  ///< where the pose of each frame goes, see open_line_output; empty: nowhere
   std::filesystem::path save_map;
   std::filesystem::path trajectory;  ///< a second copy, in the format of its name; empty: none
