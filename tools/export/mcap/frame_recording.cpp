@@ -63,11 +63,11 @@ void FrameRecording::write(const CompressedFrame& frame) {
   if (empty_) {
     file_.write(camera_yaml_, stamp_ns, ros_messages::text(camera_file_text(camera_)));
     file_.write(camera_info_, stamp_ns, ros_messages::camera_info(stamp_ns, camera_.color));
-    empty_ = false;
   }
   file_.write(color_, stamp_ns, frame.color);
   file_.write(depth_, stamp_ns, frame.depth);
   file_.flush();
+  empty_ = false;
 }
 
 }  // namespace kinloop
