@@ -67,7 +67,10 @@ TEST_F(ProbeCommand, PipesInPlaceOfFilesAreRefused) {
   expect_refused("seq", "seq/rgb.txt");
   folder_.write("phone/odometry.csv", "timestamp, frame, x, y, z, qx, qy, qz, qw\n0.0,0,0,0,0,0,0,0,1\n");
   folder_.write("phone/camera_matrix.csv", "100,0,80\n0,100,60\n0,0,1\n");
-  folder_.write("phone/depth/000000.png", "");
+  std::filesystem::create_directory(at("phone/depth"));
+  for (const auto& depth : std::filesystem::directory_iterator(at("seq/depth")))
+    std::filesystem::copy_file(depth.path(), at("phone/depth/000000.png"),
+                               std::filesystem::copy_options::skip_existing);
   ASSERT_EQ(shell("mkfifo '" + at("phone/rgb.mp4") + "'").exit_code, kDone);
   expect_refused("phone", "phone/rgb.mp4");
   ASSERT_EQ(shell("mkdir '" + at("scan") + "'; mkfifo '" + at("scan/a.sens") + "'").exit_code, kDone);
