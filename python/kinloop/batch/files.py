@@ -1,15 +1,44 @@
-"""Files that are written beside their target and renamed, and hashes of files."""
+"""What a path leads to, files that are written beside their target and renamed, and hashes of files."""
 
+import contextlib
 import errno
 import hashlib
 import json
 import os
+import stat
 import uuid
 from pathlib import Path
 
 from .errors import BatchError, DiskFull
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
+MAX_BYTES = 256 << 20  # of a file that is read as a whole
+KINDS = {stat.S_IFREG: "file", stat.S_IFDIR: "folder", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket", stat.S_IFCHR: "device",
+         stat.S_IFBLK: "device"}  # fmt: skip
+
+
+def kind_of(path):
+    """What a path leads to, links followed; "nothing" also if that cannot be told."""
+    try:
+        return KINDS.get(stat.S_IFMT(os.stat(path).st_mode), "device")
+    except (OSError, ValueError):
+        return "nothing"
+
+
+def open_file(path):
+    """Opens a file to read its bytes. Throws OSError for anything else: a pipe would wait, and a device need not end."""
+    kind = kind_of(path)
+    if kind not in ("file", "nothing"):
+        raise OSError(errno.EINVAL, f"is a {kind}, not a file", str(path))
+    return open(path, "rb")
+
+
+def read_bytes(path, most=MAX_BYTES):
+    """The bytes of a file. Throws OSError, also for a file of more than `most` bytes, before it is read."""
+    with open_file(path) as file:
+        if os.fstat(file.fileno()).st_size > most:
+            raise OSError(errno.EFBIG, f"is larger than {most / 1e6:.0f} MB", str(path))
+        return file.read()
 
 
 def disk_full(path):
@@ -35,7 +64,8 @@ def write_whole(path, data, durable=False):
                 os.fsync(file.fileno())
         os.replace(beside, path)
     except OSError as error:
-        beside.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            beside.unlink()
         raise cannot_write(path, error) from None
 
 
@@ -46,7 +76,7 @@ def write_json(path, value, durable=False):
 def read_json(path):
     """The value in a file; None if there is no such file or it is not JSON."""
     try:
-        return json.loads(Path(path).read_bytes())
+        return json.loads(read_bytes(path))
     except (OSError, ValueError, RecursionError):
         return None
 
@@ -61,7 +91,7 @@ def make_folder(path):
 
 def hash_of_file(path):
     digest = hashlib.sha256()
-    with open(path, "rb") as file:
+    with open_file(path) as file:
         while block := file.read(1 << 20):
             digest.update(block)
     return digest.hexdigest()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from .durations import pixels_of_files
 from .errors import BatchError
-from .files import hash_of_file, hash_of_value, make_folder, read_json, write_json
+from .files import hash_of_file, hash_of_value, kind_of, make_folder, read_json, write_json
 
 PROBE_PATIENCE_S = 600  # a bag without an index is read whole
 # What `kinloop fetch` knows, or knows how to ask for.
@@ -48,34 +48,70 @@ class Hashes:
         self.folder = make_folder(folder)
 
     def of(self, path):
-        """Returns the hash of the names and bytes below `path`, and (path, size in bytes) of each file."""
+        """Returns the hash of the names and bytes below `path`, and (path, size in bytes) of each file. What is no file
+        counts by its name and kind."""
         path = Path(path)
         cache = self.folder / (hash_of_value(str(path))[:32] + ".json")
-        known = read_json(cache) or {}
+        known = read_json(cache)
         now, parts, sizes = {}, [], []
-        for file, name in self._files(path):
-            state = os.stat(file)
-            stamp = [state.st_size, state.st_mtime_ns, state.st_ino]
-            old = known.get(name)
-            now[name] = old if old and old[:3] == stamp else [*stamp, hash_of_file(file)]
+        for file, name in entries_below(path):
+            stamp = _stamp_of(file)
+            if stamp is None:
+                parts.append([name, kind_of(file)])
+                continue
+            now[name] = self._known(known, name, stamp) or [*stamp, hash_of_file(file)]
             parts.append([name, now[name][3]])
-            sizes.append((file, state.st_size))
+            sizes.append((file, stamp[0]))
         if now != known:
             write_json(cache, now)
         return hash_of_value(parts), sizes
 
     @staticmethod
-    def _files(path):
-        """(file, name below `path`), sorted by name."""
-        if path.is_file():
-            return [(path, "")]
-        found = []
-        for folder, below, names in os.walk(path, followlinks=True):
-            if len(found) > 10_000_000:
-                raise BatchError(f"{path}: does not end; does a link lead to a folder above it?")
-            below.sort()
-            found += [(os.path.join(folder, name), os.path.relpath(os.path.join(folder, name), path)) for name in names]
-        return sorted(found, key=lambda entry: entry[1])
+    def _known(known, name, stamp):
+        """The entry of a file that has not changed since; the cache may be damaged."""
+        entry = known.get(name) if isinstance(known, dict) else None
+        return entry if isinstance(entry, list) and entry[:3] == stamp and [type(e) for e in entry[3:]] == [str] else None
+
+
+def _stamp_of(file):
+    """What changes with the bytes of a file; None if it is no file or cannot be read."""
+    if kind_of(file) != "file" or not os.access(file, os.R_OK):
+        return None
+    state = os.stat(file)
+    return [state.st_size, state.st_mtime_ns, state.st_ino]
+
+
+def entries_below(path):
+    """(path, name below `path`) of all that is below a folder, sorted by name; of a file, itself."""
+    if kind_of(path) != "folder":
+        return [(path, "")]
+    folders = folders_below(path)
+    entries = {os.path.join(folder, name) for folder in folders for name in _names_in(folder)} - set(folders)
+    return sorted(((entry, os.path.relpath(entry, path)) for entry in entries), key=lambda entry: entry[1])
+
+
+def folders_below(path):
+    """A folder and those below it. One to which several links lead is listed once, so that a link to a folder above ends."""
+    folders, seen = [str(path)], {_identity_of(path)}
+    for folder in folders:  # which grows
+        for name in _names_in(folder):
+            entry = os.path.join(folder, name)
+            if kind_of(entry) == "folder" and _identity_of(entry) not in seen:
+                seen.add(_identity_of(entry))
+                folders.append(entry)
+    return folders
+
+
+def _identity_of(folder):
+    state = os.stat(folder)
+    return state.st_dev, state.st_ino
+
+
+def _names_in(folder):
+    try:
+        return sorted(os.listdir(folder))
+    except OSError:
+        return []  # as if it were empty: the program cannot read it either
 
 
 def camera_of(path, program):
@@ -120,19 +156,34 @@ def fetch_by_name(name, program, folder):
     return path
 
 
+def matching(pattern):
+    """The paths that match a glob, in which `**` stands for any folders that are not hidden."""
+    before, *after = re.split(r"/\*\*(?=/|$)", pattern, maxsplit=1)
+    if not after:
+        return set(glob.glob(pattern))
+    folders = {folder for base in glob.glob(before or "/") for folder in folders_below(base) if "/." not in folder[len(base) :]}
+    return {path for folder in folders for path in matching(glob.escape(folder) + (after[0] or "/*"))}
+
+
 def _paths(sequence, suite_folder, inputs, program):
     """The paths that a line of the suite stands for."""
     if is_url(sequence.pattern):
         return [download(sequence.pattern, inputs / "downloads")]
     pattern = os.path.join(suite_folder, os.path.expanduser(sequence.pattern))
     if os.path.exists(pattern):
-        return [Path(os.path.normpath(pattern))]
+        return [_checked(sequence, os.path.normpath(pattern))]
     if dataset := DATASET_NAME.fullmatch(sequence.pattern):
         return [fetch_by_name(sequence.pattern, program, inputs / "downloads" / dataset[1])]
-    found = sorted(glob.glob(pattern, recursive=True))
+    found = sorted(path for path in matching(pattern) if kind_of(path) != "nothing")
     if not found:
         raise BatchError(f"{sequence.where}: {sequence.pattern}: no such recording (looked for {os.path.normpath(pattern)})")
-    return [Path(os.path.normpath(path)) for path in found]
+    return [_checked(sequence, os.path.normpath(path)) for path in found]
+
+
+def _checked(sequence, path):
+    if kind_of(path) not in ("file", "folder"):
+        raise BatchError(f"{sequence.where}: {path}: is a {kind_of(path)}; give the folder or the file of a recording")
+    return Path(path)
 
 
 def _camera(sequence, suite_folder):
@@ -150,6 +201,8 @@ def find_recordings(suite, inputs, program):
     for sequence in suite.sequences:
         camera, camera_identity = _camera(sequence, suite.folder)
         truth = os.path.normpath(os.path.join(suite.folder, sequence.truth)) if sequence.truth else ""
+        if os.path.exists(truth):
+            _checked(sequence, truth)
         for path in [sequence.pattern] if is_simulated(sequence.pattern) else _paths(sequence, suite.folder, Path(inputs), program):
             if is_simulated(sequence.pattern):
                 name, dataset, identity, pixels = path, "simulated", {"simulated": path, "camera": ""}, 0.0

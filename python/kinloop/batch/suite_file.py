@@ -4,6 +4,7 @@ import difflib
 from pathlib import Path
 
 from .errors import BatchError
+from .files import read_bytes
 
 MAX_BYTES = 10_000_000
 
@@ -76,11 +77,9 @@ def read_yaml(path):
     yaml = _yaml()
     path = Path(path)
     try:
-        data = path.read_bytes()
+        data = read_bytes(path, MAX_BYTES)
     except OSError as error:
-        raise BatchError(f"{path}: cannot be read ({error.strerror})") from None
-    if len(data) > MAX_BYTES:
-        raise BatchError(f"{path}: more than {MAX_BYTES // 1_000_000} MB; is this a suite?")
+        raise BatchError(f"{path}: cannot be read ({error.strerror}); is this a suite?") from None
     try:
         node = yaml.compose(data, Loader=yaml.SafeLoader)
     except yaml.YAMLError as error:

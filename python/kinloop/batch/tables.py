@@ -4,7 +4,7 @@ import csv
 import io
 
 from .figures import FIGURES, MEASURED
-from .files import cannot_write, write_whole
+from .files import cannot_write, read_bytes, write_whole
 
 NAMES = ("dataset", "sequence", "variant", "seed", "status", "exit")
 # Those after `key` differ from run to run.
@@ -68,9 +68,12 @@ def write_rows(folder, rows):
 
 
 def read_rows(path):
-    """The rows of a runs.csv, numbers as floats."""
-    with open(path, newline="", encoding="utf-8") as file:
+    """The rows of a runs.csv, numbers as floats. Throws OSError, or ValueError if it is no table."""
+    file = io.StringIO(read_bytes(path).decode(), newline="")
+    try:
         return [{name: value if name in TEXTS else number(value) for name, value in row.items() if name} for row in csv.DictReader(file)]
+    except csv.Error as error:
+        raise ValueError(error) from None
 
 
 def number(text):
