@@ -1,5 +1,6 @@
 """Several processes at one folder of results, and processes that are killed."""
 
+import errno
 import json
 import os
 import random
@@ -7,8 +8,12 @@ import signal
 import threading
 import time
 import unittest
+import unittest.mock
 
 from support import BatchTest
+
+from kinloop.batch.errors import DiskFull
+from kinloop.batch.files import remove
 
 ROOMS = "sequences: ['sim:room:1..{}']\nvariants: {{a: {{set: {{fake.sleep: {}}}}}}}\n"
 
@@ -65,10 +70,55 @@ class Claims(BatchTest):
         store = self.store()
         first, second = store.begin("key"), store.work / "key.slow"
         second.mkdir()
-        store.finish("key", first, {"who": "first"})
-        store.finish("key", second, {"who": "second"})
-        self.assertEqual(store.result("key"), {"who": "first"})
+        result = {"status": "done", "exit": "0", "files": {}, "figures": {}, "measured": {}}
+        store.finish("key", first, result)
+        store.finish("key", second, result | {"status": "lost"})
+        self.assertEqual(store.result("key"), result)
         self.assertEqual(list(store.work.iterdir()), [])
+
+    def test_copies_of_a_machine_that_share_its_name_are_told_apart(self):
+        store = self.store()
+        claim = store.claim("key")
+        boot = self.write("boot_id", "another boot\n")
+        with unittest.mock.patch("kinloop.batch.store.BOOT_ID", boot):
+            self.assertIsNone(store.claim("key"), "the number of its process says nothing here")
+            self.assertTrue(store.owner("key").startswith("machine "))
+        self.assertEqual(store.owner("key"), f"process {os.getpid()}")
+        claim.release()
+        self.assertIsNone(store.owner("key"))
+
+    def test_no_name_or_content_of_a_claim_is_a_crash_or_waits_for_ever(self):
+        from kinloop.batch.store import STALE_S
+
+        store = self.store()
+        late = time.time() - STALE_S - 10
+        for name, make in [("key.0", os.mkdir), ("key.0", os.mkfifo), ("key.0", lambda path: os.symlink("nowhere", path)),
+                           ("key.999999999", os.mkdir), ("key.\u00b2", os.mkdir), ("key.", os.mkdir), ("key", os.mkdir),
+                           ("key." + "9" * 99, os.mkdir)]:  # fmt: skip
+            make(store.claims / name)
+            self.assertIn(store.owner("key"), (None, "an unknown machine"), name)
+            os.utime(store.claims / name, (late, late), follow_symlinks=False)
+            claim = store.claim("key")
+            self.assertIsNotNone(claim, name)
+            self.assertIsNone(store.claim("key"), name)
+            claim.release()
+            remove(store.claims / name)
+        claim = store.claim("key")
+        good = json.loads(claim.path.read_text())
+        for change in ({"started": None, "pid": 10**9}, {"pid": None}, {"pid": [1]}, {"pid": -1}, {"started": 7}):
+            claim.path.write_text(json.dumps(good | change))
+            self.assertIsNotNone(store.claim("key"), change)
+            for path in store.claims.iterdir():
+                remove(path)
+        claim.path.write_text("{}")
+        os.utime(claim.path, (time.time() + 1e6,) * 2)  # a clock that was wrong
+        self.assertIsNotNone(store.claim("key"))
+
+    def test_a_claim_that_cannot_be_written_is_none(self):
+        store = self.store()
+        with unittest.mock.patch("json.dump", side_effect=OSError(errno.ENOSPC, "full")), self.assertRaises(DiskFull):
+            store.claim("key")
+        self.assertEqual(list(store.claims.iterdir()), [])
 
 
 class Processes(BatchTest):
@@ -83,6 +133,16 @@ class Processes(BatchTest):
             process.stderr.close()
         self.assertEqual(len(self.calls()), 12)
         self.assertEqual([row["status"] for row in self.rows()], ["done"] * 12)
+
+    def test_a_wait_for_another_machine_is_said(self):
+        suite = self.write("suite.yaml", ROOMS.format(1, 0))
+        self.batch("plan", suite, "-o", self.results, "--program", self.program)
+        (key,) = [json.loads(line)["key"] for line in (self.results / "plan.jsonl").read_text().splitlines()[1:]]
+        claim = self.write(f"results/runs/.claims/{key}.0", '{"machine": "far\\u001b boot pid", "pid": 1}')
+        threading.Timer(1.5, claim.unlink).start()
+        output = self.run_suite(ROOMS.format(1, 0))
+        self.assertEqual(output.count("waiting for machine far\\x1b; a run of a machine that is gone is taken over after 120 s"), 1)
+        self.assertEqual(self.rows()[0]["status"], "done")
 
     def test_results_may_share_a_folder_of_runs(self):
         self.run_suite(ROOMS.format(3, 0))

@@ -14,6 +14,7 @@ from support import BatchTest
 from kinloop.batch.durations import Durations, by_size, image_pixels, pixels_of_files
 from kinloop.batch.progress import Progress
 from kinloop.batch.statistics import area_under_curve, bootstrap_ratio, summarise_sequences, summarise_variants
+from kinloop.batch.text import cell_of, text_of_cell
 from kinloop.batch.workers import longest_first, shard_of
 
 TWO = "sequences: [{path: 'sim:room:1..3', dataset: rooms}]\nseeds: [1, 2, 3]\nvariants: {a: , b_c: {arguments: [--no-loop]}}\n"
@@ -89,6 +90,37 @@ class Tables(BatchTest):
         self.assertIn("a folder of kinloop batch?", self.batch("table", self.folder, expect=3))
         (self.folder / "plan.jsonl").write_text('{"title": "x"}\n{"key": 3}\n')
         self.assertIn("plan.jsonl:2: damaged", self.batch("table", self.folder, expect=3))
+
+    def test_names_obey_no_terminal_and_break_no_line_or_formula(self):
+        name = r"=1+\e[2J\n'é\xA0\u202E"
+        self.recording("room")
+        self.run_suite(f'sequences: [{{path: room, name: "{name}", dataset: "-2"}}]\nvariants: {{"@a\\n": }}')
+        shown = r"=1+\x1b[2J\n'é" + "\xa0" + r"\u202e"
+        (row,) = self.rows()
+        self.assertEqual((row["sequence"], row["variant"], row["dataset"]), (shown, r"@a\n", "-2"))
+        self.assertTrue((self.results / "runs.csv").read_text().splitlines()[1].startswith(f"'-2,'{shown},'@a\\n,1,done,"))
+        texts = {name: (self.results / name).read_text() for name in ("runs.csv", "sequences.csv", "variants.csv", "table.tex", "index.html")}
+        texts["verify"] = self.batch("verify", self.results)
+        texts["compare"] = self.batch("compare", self.results, self.results)
+        for name, text in texts.items():
+            self.assertNotRegex(text, "[\x1b\u202e]", name)
+        self.assertTrue(texts["verify"].startswith(f"{shown}, @a\\n, seed 1: the same\n"))
+        self.assertEqual(len(texts["sequences.csv"].splitlines()), 2)
+        self.assertIn(r"=1+\textbackslash{}x1b[2J", texts["table.tex"])
+        self.assertIn(r"'nowhere\x1b' is not", self.batch("verify", self.results, "--seed", "nowhere\x1b", expect=2))
+
+    def test_a_cell_is_read_as_it_was_written(self):
+        for text in ("", "a", "=a", "'a", "'=a", "''", "-", "@", "+1", "a=b", "1"):
+            self.assertEqual(text_of_cell(cell_of(text)), text)
+            self.assertNotRegex(cell_of(text), "^[=+@-]")
+
+    def test_a_folder_whose_name_is_not_utf_8_has_a_row(self):
+        try:
+            os.mkdir(os.fsencode(self.folder) + b"/room\xff")
+        except OSError:
+            self.skipTest("the file system takes UTF-8 only")
+        self.run_suite("sequences: ['room*']")
+        self.assertEqual(self.rows()[0]["sequence"], r"room\xff")
 
     def test_a_name_cannot_end_the_script_of_the_page(self):
         self.recording("room")

@@ -1,6 +1,5 @@
 """The commands of kinloop batch and their options. The program passes its command line on, and so this is its help, too."""
 
-import json
 import os
 import random
 import re
@@ -21,6 +20,7 @@ from .recordings import find_recordings
 from .report import write_report
 from .store import Heartbeat, Store
 from .suite import read_suite
+from .text import printable
 from .workers import end_with_parent, help_others, run_by_dask, run_locally, shard_of, stopping_by_signals, unfinished, without_repetition
 
 MAX_WORKERS = 10_000
@@ -29,7 +29,7 @@ VERIFY_EXIT_CODE = REGRESSION_EXIT_CODE
 
 def say(arguments, text):
     if not arguments.quiet:
-        print(text, file=sys.stderr)
+        print(printable(text), file=sys.stderr)
 
 
 def plan_of(arguments):
@@ -113,9 +113,16 @@ def task_parser():
     return parser
 
 
+def _job_of(line):
+    try:
+        return Job.from_line(line)
+    except ValueError as error:
+        raise UsageError(f"kinloop batch task: JOB: {error}; a line of plan.jsonl is expected") from None
+
+
 def do_task(arguments):
     end_with_parent()
-    job, store, stop = Job(**json.loads(arguments.job)), Store(arguments.results).create(), threading.Event()
+    job, store, stop = _job_of(arguments.job), Store(arguments.results).create(), threading.Event()
     with Heartbeat() as heartbeat:
         while not execute(job, store, stop, heartbeat):
             stop.wait(0.5)
@@ -199,7 +206,8 @@ def verify_sample(arguments):
         for job in sample:
             names = verify(job, store.create(), stop)
             different += bool(names)
-            print(f"{job.sequence}, {job.variant}, seed {job.seed}: {'differs: ' + ', '.join(names) if names else 'the same'}", flush=True)
+            found = f"differs: {', '.join(names)}" if names else "the same"
+            print(printable(f"{job.sequence}, {job.variant}, seed {job.seed}: {found}"), flush=True)
     say(arguments, f"{len(sample)} runs repeated, {different} differ")
     return VERIFY_EXIT_CODE if different else 0
 
@@ -222,7 +230,8 @@ def compare_parser():
 def compare_two(arguments):
     thresholds = Thresholds(arguments.max_ate_ratio, arguments.max_sequence_ratio, arguments.max_failures, arguments.max_cpu_ratio)
     lines, faults = compare(read_summaries(arguments.first), read_summaries(arguments.second), thresholds)
-    print("\n".join(lines + [f"worse: {fault}" for fault in faults] + ([] if faults else ["not worse"])))
+    for line in lines + [f"worse: {fault}" for fault in faults] + ([] if faults else ["not worse"]):
+        print(printable(line))
     return REGRESSION_EXIT_CODE if faults else 0
 
 
@@ -253,7 +262,7 @@ def main(words=None):
         enter_leaf()
         return function(make_parser().parse(with_value_of("--slurm", words[1:] if name else words))) or 0
     except BatchError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(printable(f"error: {error}"), file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:  # the reader of standard output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

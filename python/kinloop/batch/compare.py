@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .errors import BatchError
 from .statistics import SMALLEST_M, bootstrap_ratio, has_failed, pairs_of, summarise_sequences
-from .tables import COLUMNS, read_rows
+from .tables import read_rows
 
 REGRESSION_EXIT_CODE = 5
 WORST_SHOWN = 5
@@ -31,8 +31,6 @@ def read_summaries(path):
         rows = read_rows(file)
     except (OSError, ValueError) as error:
         raise BatchError(f"{file}: cannot be read ({getattr(error, 'strerror', None) or error}); kinloop batch table writes it") from None
-    if not rows or not set(COLUMNS) <= set(rows[0]):
-        raise BatchError(f"{file}: is no table of runs; kinloop batch table writes it")
     return summarise_sequences(rows)
 
 

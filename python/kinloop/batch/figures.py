@@ -4,7 +4,6 @@ In: the folder of a run. Out: a flat dictionary; a figure that is not known is a
 same each time that the run is repeated."""
 
 import json
-import math
 import subprocess
 
 from .files import read_json
@@ -13,20 +12,36 @@ from .files import read_json
 FIGURES = ("verdict", "ate_m", "live_ate_m", "rpe_1s_m", "rpe_1s_deg", "rpe_1frame_m", "coverage", "frames", "tracked",
            "doubtful_s", "lost_s", "seconds", "keyframes", "loops", "sensor")  # fmt: skip
 MEASURED = ("cpu_s", "wall_s", "frame_ms", "peak_mib", "memory_limit")
+TEXTS = {"verdict", "sensor", "memory_limit"}  # the others are numbers
 EVAL_PATIENCE_S = 600
+LARGEST = 1e100  # so that no sum overflows
 
 
 def at(value, path):
-    """value["a"]["b"] for the path "a.b"; None if it is not there or not a number, text or list."""
+    """value["a"]["b"] for the path "a.b"; None if it is not there."""
     for name in path.split("."):
         value = value.get(name) if isinstance(value, dict) else None
-    if isinstance(value, bool) or not isinstance(value, (int, float, str, list)):
-        return None
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return value
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and -LARGEST < value < LARGEST
 
 
 def _known(figures):
-    return {name: value for name, value in figures.items() if value is not None}
+    """Those that are what they should be; the files that they come from may be damaged."""
+    return {name: value for name, value in figures.items() if (isinstance(value, str) if name in TEXTS else is_number(value))}
+
+
+def checked_result(value):
+    """The content of a result.json, with the figures that can be used; None if it is no result."""
+    result = {name: at(value, name) for name in ("status", "exit", "files", "figures", "measured")}
+    files, figures, measured = result["files"], result["figures"], result["measured"]
+    if not isinstance(result["status"], str) or not all(isinstance(part, dict) for part in (files, figures, measured)):
+        return None
+    known = {name: figure for name, figure in figures.items() if name in FIGURES}
+    also = {name: figure for name, figure in measured.items() if name in MEASURED}
+    return result | {"exit": str(result["exit"]), "figures": _known(known), "measured": _known(also)}
 
 
 def of_evaluation(evaluation):

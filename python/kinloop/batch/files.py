@@ -5,6 +5,7 @@ import errno
 import hashlib
 import json
 import os
+import shutil
 import stat
 import uuid
 from pathlib import Path
@@ -87,6 +88,13 @@ def make_folder(path):
     except OSError as error:
         raise cannot_write(path, error) from None
     return Path(path)
+
+
+def remove(path):
+    """Removes a file, link or folder as far as this user may."""
+    shutil.rmtree(path, ignore_errors=True)
+    with contextlib.suppress(OSError):
+        os.unlink(path)
 
 
 def hash_of_file(path):

@@ -2,19 +2,23 @@
 
 In: a suite, its recordings and the program. Out: a list of Jobs, in the order of the suite."""
 
+import json
 import os
+import re
 import shlex
 import shutil
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from .durations import by_size
 from .errors import BatchError
+from .figures import is_number
 from .files import hash_of_file, hash_of_value
 from .program import default_options, identity_of, number_or_text, options_in_effect
 from .recordings import is_simulated
 
 FORMAT = 1  # of results; another number makes all runs new
+KEY = re.compile("[0-9a-f]{32}")  # of a run, and the name of its folder
 MAX_JOBS = 1_000_000
 
 
@@ -43,8 +47,24 @@ class Job:
     identity: dict = field(default_factory=dict)
     prepare: list = field(default_factory=list)
 
-    def to_json(self):
-        return asdict(self)
+    def to_line(self):
+        """The job as a line of JSON."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    @classmethod
+    def from_line(cls, line):
+        """Throws ValueError for a line that is no job."""
+        try:
+            job = cls(**json.loads(line))
+        except (TypeError, RecursionError):
+            raise ValueError("no job") from None
+        for part in fields(job):
+            value = getattr(job, part.name)
+            if not (is_number(value) if part.type in (int, float) else isinstance(value, part.type)):
+                raise ValueError(f"{part.name} is no {part.type.__name__}")
+        if not KEY.fullmatch(job.key) or not all(isinstance(word, str) for word in job.words + job.prepare + job.keep):
+            raise ValueError("no key, or no words")
+        return job
 
 
 def _filled(template, path, recording, variant, seed, suite):

@@ -1,14 +1,7 @@
 """A table as papers print it: a row a sequence, a column a variant, the mean of each dataset below its rows."""
 
-import re
-
 from .statistics import grouped, has_failed, mean
-
-SPECIAL = {c: "\\" + c for c in "&%$#_{}"} | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
-
-
-def escaped(text):
-    return re.sub(r"[&%$#_{}\\~^]", lambda match: SPECIAL[match[0]], text)
+from .text import latex_of
 
 
 def _centimetres(value):
@@ -28,15 +21,15 @@ def latex_table(summaries):
     variants = [variant for (variant,) in grouped(summaries, "variant")]
     lines = [r"% ATE RMSE in cm, median over seeds; --: failed; (n): number of failures that a mean leaves out",
              rf"\begin{{tabular}}{{l{'r' * len(variants)}}}", r"\toprule",
-             " & ".join(["sequence", *map(escaped, variants)]) + r" \\"]  # fmt: skip
+             " & ".join(["sequence", *map(latex_of, variants)]) + r" \\"]  # fmt: skip
     for (dataset,), group in grouped(summaries, "dataset").items():
-        lines += [r"\midrule", rf"\multicolumn{{{len(variants) + 1}}}{{l}}{{{escaped(dataset)}}} \\"]
+        lines += [r"\midrule", rf"\multicolumn{{{len(variants) + 1}}}{{l}}{{{latex_of(dataset)}}} \\"]
         columns = {variant: [] for variant in variants}
         for (sequence,), rows in grouped(group, "sequence").items():
             errors = {row["variant"]: None if has_failed(row) else row["ate_m"] for row in rows}
             for variant in variants:
                 columns[variant].append(errors.get(variant))
-            lines.append(" & ".join([escaped(sequence), *_cells([errors.get(v) for v in variants])]) + r" \\")
+            lines.append(" & ".join([latex_of(sequence), *_cells([errors.get(v) for v in variants])]) + r" \\")
         failures = [sum(error is None for error in columns[v]) for v in variants]
         means = [_centimetres(mean(columns[v])) + (f" ({n})" if n else "") for v, n in zip(variants, failures)]
         lines.append(" & ".join([r"\textit{mean}", *means]) + r" \\")

@@ -3,6 +3,8 @@
 import sys
 import time
 
+from .text import printable
+
 PLAIN_INTERVAL_S = 30.0
 TERMINAL_INTERVAL_S = 0.5
 SHORTEST_S = 1e-3
@@ -28,6 +30,7 @@ class Progress:
         self.stream = stream or sys.stderr
         self.terminal = self.stream.isatty()
         self.begin = self.last = time.monotonic()
+        self.noted = ""
 
     def finish_one(self, key):
         self.done += 1
@@ -46,6 +49,13 @@ class Progress:
             text += f", {duration((time_ - self.begin) * left_s / max(self.expected_s - left_s, SHORTEST_S))} left"
         end = "\n" if not self.terminal or self.done == self.total else ""
         print(f"\r\x1b[K{text}" if self.terminal else text, end=end, file=self.stream, flush=True)
+
+    def note(self, text):
+        """Prints a line of text, once."""
+        if text != self.noted and not self.quiet:
+            self.end_line()
+            print(printable(text), file=self.stream, flush=True)
+        self.noted = text
 
     def end_line(self):
         if self.terminal and not self.quiet and self.done < self.total:

@@ -6,19 +6,23 @@ RESULTS/runs/.claims/   who is at work on which run
 RESULTS/plan.jsonl      the title of the last suite, then its runs, one a line
 RESULTS/inputs/         hashes of recordings, and recordings fetched from URLs"""
 
+import contextlib
 import json
 import os
-import shutil
+import re
 import socket
 import threading
 import uuid
 from pathlib import Path
 
 from .errors import BatchError
-from .files import cannot_write, make_folder, read_json, write_json, write_whole
-from .jobs import Job
+from .figures import checked_result
+from .files import cannot_write, make_folder, open_file, read_json, remove, write_json, write_whole
+from .jobs import KEY, Job
 
+BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 HEARTBEAT_S = 15.0
+MAX_LINE_BYTES = 10_000_000  # of the plan
 STALE_S = 120.0  # without a heartbeat, as seen by the clock of the file system
 
 
@@ -31,12 +35,12 @@ def _started(pid):
 
 
 def _machine():
-    """The name of this machine, and of its processes' name space, since containers share names of machines."""
+    """The name of this machine, its boot, since copies of a machine share its name, and the name space of its processes, since
+    containers share both."""
     try:
-        space = os.readlink("/proc/self/ns/pid")
+        return f"{socket.gethostname()} {BOOT_ID.read_text().strip()} {os.readlink('/proc/self/ns/pid')}"
     except OSError:
-        space = ""
-    return f"{socket.gethostname()} {space}"
+        return socket.gethostname()
 
 
 class Claim:
@@ -44,6 +48,8 @@ class Claim:
 
     Files are numbered: KEY.0, KEY.1, ... Who finds the owner of the last one gone creates the next. So nobody deletes
     a file that another may just have replaced."""
+
+    NAME = re.compile(r"([^.]+)\.([0-9]{1,9})")  # key and number
 
     def __init__(self, folder, key, number):
         self.folder, self.key, self.number = folder, key, number
@@ -56,8 +62,18 @@ class Claim:
             pass  # the run goes on; at worst, it is run twice
 
     def release(self):
-        for number in range(self.number + 1):
-            (self.folder / f"{self.key}.{number}").unlink(missing_ok=True)
+        for name in _names_in(self.folder):
+            claim = self.NAME.fullmatch(name)
+            if claim and claim[1] == self.key and int(claim[2]) <= self.number:
+                with contextlib.suppress(OSError):  # at worst it lapses
+                    os.unlink(self.folder / name)
+
+
+def _names_in(folder):
+    try:
+        return os.listdir(folder)
+    except OSError:
+        return []
 
 
 class Store:
@@ -68,6 +84,7 @@ class Store:
         self.runs, self.inputs = self.folder / "runs", self.folder / "inputs"
         self.work, self.claims = self.runs / ".work", self.runs / ".claims"
         self.plan_file = self.folder / "plan.jsonl"
+        self._finished = set()  # a finished run never changes
 
     def create(self):
         for folder in (self.work, self.claims, self.inputs):
@@ -77,21 +94,23 @@ class Store:
     # Plan
 
     def write_plan(self, title, jobs):
-        lines = [json.dumps({"title": title}), *(json.dumps(job.to_json(), sort_keys=True) for job in jobs)]
+        lines = [json.dumps({"title": title}), *(job.to_line() for job in jobs)]
         write_whole(self.plan_file, "".join(line + "\n" for line in lines))
 
     def read_plan(self):
         """The title of the last suite and its jobs. Throws BatchError if there is none."""
+        number = 1
         try:
-            lines = self.plan_file.read_bytes().splitlines()
-        except OSError:
-            raise BatchError(f"{self.plan_file}: cannot be read; is {self.folder} a folder of kinloop batch?") from None
-        for number, line in enumerate(lines, 1):
-            try:
-                lines[number - 1] = Job(**json.loads(line)) if number > 1 else str(json.loads(line)["title"])
-            except (ValueError, TypeError, KeyError, RecursionError):
-                raise BatchError(f"{self.plan_file}:{number}: damaged; run the suite or plan again") from None
-        return (lines[0], lines[1:]) if lines else ("", [])
+            with open_file(self.plan_file) as file:
+                title, jobs = str(json.loads(file.readline(MAX_LINE_BYTES))["title"]), []
+                while line := file.readline(MAX_LINE_BYTES):
+                    number += 1
+                    jobs.append(Job.from_line(line))
+            return title, jobs
+        except OSError as error:
+            raise BatchError(f"{self.plan_file}: cannot be read ({error.strerror}); is {self.folder} a folder of kinloop batch?") from None
+        except (ValueError, TypeError, KeyError, RecursionError):
+            raise BatchError(f"{self.plan_file}:{number}: damaged; run the suite or plan again") from None
 
     # Results
 
@@ -99,49 +118,58 @@ class Store:
         return self.runs / key
 
     def has(self, key):
-        return (self.runs / key / "result.json").exists()
+        """Whether a run is finished. A folder without a readable result is none."""
+        if key not in self._finished and self.result(key):
+            self._finished.add(key)
+        return key in self._finished
 
     def finished(self):
         """The keys of all finished runs."""
         try:
-            return {name for name in os.listdir(self.runs) if not name.startswith(".")}
+            return {name for name in os.listdir(self.runs) if KEY.fullmatch(name) and self.has(name)}
         except OSError:
             return set()
 
     def result(self, key):
-        return read_json(self.runs / key / "result.json")
+        """What figures.checked_result makes of the result of a run; None if there is none."""
+        return checked_result(read_json(self.runs / key / "result.json"))
 
     def begin(self, key):
         """A new folder for a run under way; removes those that dead owners left."""
         for left in self.work.glob(f"{key}.*"):
-            shutil.rmtree(left, ignore_errors=True)
+            remove(left)
         return make_folder(self.work / f"{key}.{uuid.uuid4().hex[:8]}")
 
     @staticmethod
     def abandon(folder):
         """Removes a folder of begin()."""
-        shutil.rmtree(folder, ignore_errors=True)
+        remove(folder)
 
     def finish(self, key, folder, result):
         """Makes a folder of begin() the result of the run."""
         write_json(folder / "result.json", result, durable=True)
         try:
-            os.rename(folder, self.runs / key)
+            try:
+                os.rename(folder, self.runs / key)
+            except OSError:  # there is one
+                if self.has(key):  # of another process that was faster: the same bytes
+                    return remove(folder)
+                self.discard(key)
+                os.rename(folder, self.runs / key)
         except OSError as error:
-            shutil.rmtree(folder, ignore_errors=True)
-            if not self.has(key):  # else another process was faster: the same bytes
-                raise cannot_write(self.runs / key, error) from None
+            raise cannot_write(self.runs / key, error) from None
 
     def discard(self, key):
-        """Removes a finished run, to repeat it."""
+        """Removes a run, to repeat it."""
         gone = self.work / f"{key}.{uuid.uuid4().hex[:8]}"
+        self._finished.discard(key)
         try:
             os.rename(self.runs / key, gone)
-            shutil.rmtree(gone)
         except FileNotFoundError:
-            pass
+            return
         except OSError as error:
             raise cannot_write(gone, error) from None
+        remove(gone)
 
     # Claims
 
@@ -158,35 +186,54 @@ class Store:
         except FileExistsError:
             return None
         except OSError as error:
+            claim.release()  # it says nothing of its owner
             raise cannot_write(claim.path, error) from None
         return claim
 
     def claimed(self):
         """The keys of all runs that are claimed, also by owners that are gone."""
-        return {name.split(".")[0] for name in os.listdir(self.claims)}
+        return {name.split(".")[0] for name in _names_in(self.claims)}
+
+    def owner(self, key):
+        """Who is at work on a run, in words; None if nobody is."""
+        last = self._last_claim(key)
+        if last is None:
+            return None
+        machine, pid = self._owner_of(self.claims / f"{key}.{last}")[:2]
+        return f"process {pid}" if machine == _machine() else f"machine {machine.split()[0]}" if machine.split() else "an unknown machine"
 
     def _last_claim(self, key):
-        numbers = [int(path.suffix[1:]) for path in self.claims.glob(f"{key}.*") if path.suffix[1:].isdigit()]
-        return max(numbers, default=None)
+        claims = (Claim.NAME.fullmatch(name) for name in _names_in(self.claims))
+        return max((int(claim[2]) for claim in claims if claim and claim[1] == key), default=None)
+
+    @staticmethod
+    def _owner_of(path):
+        """(machine, number of the process, its start) of a claim, which may be damaged."""
+        owner = read_json(path)
+        owner = owner if isinstance(owner, dict) else {}
+        return str(owner.get("machine", "")), owner.get("pid"), owner.get("started")
 
     def _is_stale(self, path):
         """Whether the owner is gone: its process, if it was on this machine, else its heartbeat."""
-        owner = read_json(path)
-        if isinstance(owner, dict) and owner.get("machine") == _machine() and isinstance(owner.get("pid"), int):
-            return _started(owner["pid"]) != owner.get("started")
+        machine, pid, started = self._owner_of(path)
+        if machine == _machine():
+            return started is None or _started(pid) != started
         try:
-            return self._file_time() - path.stat().st_mtime > STALE_S
+            return abs(self._file_time() - path.lstat().st_mtime) > STALE_S
         except FileNotFoundError:
             return False  # released just now
 
     def _file_time(self):
         """Now, by the clock that stamps files: clocks of machines differ."""
         probe = self.claims / f".clock.{uuid.uuid4().hex[:8]}"
-        probe.touch()
         try:
+            probe.touch()
             return probe.stat().st_mtime
+        except OSError as error:
+            raise cannot_write(probe, error) from None
         finally:
-            probe.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):
+                probe.unlink()
 
 
 class Heartbeat:

@@ -4,22 +4,25 @@ import csv
 import io
 
 from .figures import FIGURES, MEASURED
+from .figures import TEXTS as TEXT_FIGURES
+from .figures import is_number
 from .files import cannot_write, read_bytes, write_whole
+from .text import cell_of, printable, text_of_cell
 
 NAMES = ("dataset", "sequence", "variant", "seed", "status", "exit")
 # Those after `key` differ from run to run.
 COLUMNS = (*NAMES, *FIGURES, "key", *MEASURED)
-TEXTS = {"dataset", "sequence", "variant", "status", "exit", "verdict", "sensor", "key", "memory_limit"}
-MISSING = {"status": "not run", "exit": ""}
+TEXTS = {"dataset", "sequence", "variant", "status", "exit", "key", *TEXT_FIGURES}
+MISSING = {"status": "not run", "exit": "", "figures": {}, "measured": {}}
 
 
 def row_of(job, result):
-    """A row as a dictionary; a figure that is not known is None."""
-    if not isinstance(result, dict):
-        result = MISSING
+    """A row as a dictionary; a figure that is not known is None. `result`: as Store.result gives it."""
+    result = result or MISSING
     names = {"dataset": job.dataset, "sequence": job.sequence, "variant": job.variant, "seed": job.seed, "key": job.key,
-             "status": result["status"], "exit": str(result["exit"])}  # fmt: skip
-    return dict.fromkeys(COLUMNS) | (result.get("figures") or {}) | (result.get("measured") or {}) | names
+             "status": result["status"], "exit": result["exit"]}  # fmt: skip
+    row = dict.fromkeys(COLUMNS) | result["figures"] | result["measured"] | names
+    return {name: printable(value) if isinstance(value, str) else value for name, value in row.items()}
 
 
 def rows_of(jobs, store):
@@ -32,8 +35,8 @@ def rows_of(jobs, store):
 
 def text_of(value):
     """A figure with six significant digits, so that a table says what can be read, not the last bit."""
-    if value is None:
-        return ""
+    if value is None or isinstance(value, str):
+        return cell_of(value or "")
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
@@ -69,15 +72,18 @@ def write_rows(folder, rows):
 
 def read_rows(path):
     """The rows of a runs.csv, numbers as floats. Throws OSError, or ValueError if it is no table."""
-    file = io.StringIO(read_bytes(path).decode(), newline="")
     try:
-        return [{name: value if name in TEXTS else number(value) for name, value in row.items() if name} for row in csv.DictReader(file)]
-    except csv.Error as error:
-        raise ValueError(error) from None
+        lines = list(csv.reader(io.StringIO(read_bytes(path).decode(), newline="")))
+    except csv.Error:
+        lines = []
+    first = lines.pop(0) if lines else []
+    if not set(COLUMNS) <= set(first) or any(len(line) != len(first) for line in lines):
+        raise ValueError("is no table of runs")
+    return [{name: text_of_cell(cell) if name in TEXTS else number(cell) for name, cell in zip(first, line)} for line in lines]
 
 
 def number(text):
     try:
-        return float(text)
-    except (TypeError, ValueError):
+        return float(text) if is_number(float(text)) else None
+    except ValueError:
         return None

@@ -6,7 +6,6 @@ under the same paths."""
 
 import concurrent.futures
 import heapq
-import json
 import os
 import signal
 import subprocess
@@ -17,7 +16,7 @@ from pathlib import Path
 
 from .errors import BatchError, Interrupted, Unfinished, UsageError
 from .execute import KILLED, execute
-from .store import Heartbeat
+from .store import STALE_S, Heartbeat
 
 PACKAGE = str(Path(__file__).resolve().parent)
 POLL_S = 0.5
@@ -53,7 +52,7 @@ def unfinished(jobs, store):
     """The jobs without a result. One that was killed from outside tells nothing of the run: it is removed."""
     done, left = store.finished(), []
     for job in without_repetition(jobs):
-        if job.key in done and (store.result(job.key) or {}).get("status") == KILLED:
+        if job.key in done and store.result(job.key)["status"] == KILLED:
             store.discard(job.key)
             left.append(job)
         elif job.key not in done:
@@ -67,6 +66,9 @@ def run_locally(jobs, store, workers, progress):
         waiting = longest_first(jobs)
         while waiting:
             waiting = _one_pass(waiting, store, workers, progress, stop, heartbeat)
+            owners = sorted({store.owner(job.key) for job in waiting} - {None})
+            if owners:
+                progress.note(f"waiting for {', '.join(owners)}; a run of a machine that is gone is taken over after {STALE_S:g} s")
             if waiting and stop.wait(POLL_S):
                 raise Interrupted("interrupted")
 
@@ -98,7 +100,7 @@ def _unless_stopped(job, store, stop, heartbeat):
 
 def command_of_task(job, store):
     """The command line by which a worker of Dask does a job."""
-    return [sys.executable, PACKAGE, "task", str(store.folder.resolve()), json.dumps(job.to_json())]
+    return [sys.executable, PACKAGE, "task", str(store.folder.resolve()), job.to_line()]
 
 
 def run_by_dask(jobs, store, address, progress, say):
