@@ -5,6 +5,8 @@ import unittest
 
 from support import BatchTest
 
+from kinloop.batch.templates import filled
+
 # Copies the recording and writes one more file, with the seed in it.
 DISTURB = '#!/bin/sh\ncp -r "$1" "$2" && echo "$3" > "$2/disturbed.txt"\n'
 # Prints what the run sees; its ATE is the number of files in the recording.
@@ -31,6 +33,22 @@ class Variants(BatchTest):
         self.assertEqual([w[w.index("--every") + 1] if "--every" in w else "" for w in words], ["", "3", "5", ""])
         self.assertEqual(len({row["key"] for row in rows}), 3)
         self.assertEqual(rows[0]["key"], rows[3]["key"])
+
+
+    def test_placeholders_in_names_are_not_replaced(self):
+        name = "k{output}x{prepared}{{y}}{"
+        self.recording(name)
+        self.script("peer.sh", PEER)
+        self.script("copy.sh", DISTURB)
+        self.write(f"orb/{name}.txt", "1.0 0.25 0 0 0 0 0 1\n")
+        self.run_suite("sequences: ['k{*']\nvariants:\n  run: {arguments: ['{output}']}\n"
+                       "  peer: {command: './peer.sh {recording} {output} {name} {{x}}'}\n  orb: {external: 'orb/{name}.txt'}\n"
+                       "  copy: {prepare: './copy.sh {recording} {output}', command: './peer.sh {recording} {output}'}\n")  # fmt: skip
+        self.assertEqual([(row["sequence"], row["status"]) for row in self.rows()], [(name, "done")] * 4)
+        words = {job["variant"]: [filled(word, {"output": "OUT", "prepared": "COPY"}) for word in job["words"]] for job in self.jobs()}
+        self.assertEqual(words["run"][2:5], [f"{self.folder}/{name}", "-o", "OUT"])
+        self.assertEqual(words["run"][8], "{output}")
+        self.assertEqual(words["peer"][1:], [f"{self.folder}/{name}", "OUT", name, "{x}"])
 
 
 class Prepare(Variants):

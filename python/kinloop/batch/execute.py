@@ -14,6 +14,7 @@ from .errors import BatchError
 from .figures import of_run, score
 from .files import FULL, cannot_write, disk_full, hash_of_file
 from .process import run_limited
+from .templates import filled
 
 ATTEMPTS = 3  # of a run that is killed from outside, e.g. because the machine has no memory left
 RESULT_FILES = ("result.json", "log.txt")
@@ -90,7 +91,7 @@ def _attempt(job, folder, log, stop):
     prepared = beside / Path(job.recording).name  # the name may tell the camera
 
     def run(words, output):
-        words = [word.replace("{output}", str(output)).replace("{prepared}", str(prepared)) for word in words]
+        words = [filled(word, {"output": output, "prepared": prepared}) for word in words]
         return run_limited(words, folder, log, job.time_s, job.memory_mib, stop)
 
     try:

@@ -16,6 +16,7 @@ from .figures import is_number
 from .files import hash_of_file, hash_of_value
 from .program import default_options, identity_of, number_or_text, options_in_effect
 from .recordings import is_simulated
+from .templates import as_template, filled, placeholders
 
 FORMAT = 1  # of results; another number makes all runs new
 KEY = re.compile("[0-9a-f]{32}")  # of a run, and the name of its folder
@@ -24,9 +25,9 @@ MAX_JOBS = 1_000_000
 
 @dataclass
 class Job:
-    """A run. `key` is the hash of `identity`; the rest does not change the result. `words`: the command line, with
-    {output} for the folder of the run and {prepared} for the recording that `prepare` writes; empty if a trajectory is
-    only scored. `prepare`: the command line that writes its changed recording to {output}; usually empty. `expected_s`:
+    """A run. `key` is the hash of `identity`; the rest does not change the result. `words`: templates of the command line,
+    with {output} for the folder of the run and {prepared} for the recording that `prepare` writes; empty if a trajectory
+    is only scored. `prepare`: the command line that writes its changed recording to {output}; usually empty. `expected_s`:
     about the CPU time, by which runs are put in order."""
 
     key: str
@@ -60,20 +61,14 @@ class Job:
             raise ValueError("no job") from None
         for part in fields(job):
             value = getattr(job, part.name)
-            if not (is_number(value) if part.type in (int, float) else isinstance(value, part.type)):
+            if not (is_number(value) if part.type is float else isinstance(value, part.type)):
                 raise ValueError(f"{part.name} is no {part.type.__name__}")
-        if not KEY.fullmatch(job.key) or not all(isinstance(word, str) for word in job.words + job.prepare + job.keep):
+        words = job.words + job.prepare
+        if not KEY.fullmatch(job.key) or not all(isinstance(word, str) and "\0" not in word for word in words + job.keep):
             raise ValueError("no key, or no words")
+        if not set().union(*map(placeholders, words)) <= {"output", "prepared"}:
+            raise ValueError("unknown placeholder")
         return job
-
-
-def _filled(template, path, recording, variant, seed, suite):
-    """A template with its placeholders filled, {recording} by `path`, but {output}, which is known when the run starts."""
-    values = {"recording": path, "camera": recording.camera, "name": recording.name, "seed": seed,
-              "threads": suite.threads, "output": "{output}"}  # fmt: skip
-    if "{camera}" in template and not recording.camera:
-        raise BatchError(f"variant {variant.name}: {recording.name} has no 'camera:' in the suite, which the template uses")
-    return template.format(**values)
 
 
 class Planner:
@@ -95,7 +90,7 @@ class Planner:
     def _job(self, recording, variant, seed):
         kind = "command" if variant.command else "external" if variant.external else "run"
         make = {"command": self._command, "external": self._external, "run": self._run}[kind]
-        path = "{prepared}" if variant.prepare else recording.path
+        path = "{prepared}" if variant.prepare else as_template(recording.path)
         words, external, identity = make(path, recording, variant, seed)
         identity |= {"format": FORMAT, "kind": kind, "recording": recording.identity, "program": self.program_identity}
         prepare = self._prepare(recording, variant, seed, identity) if variant.prepare else []
@@ -108,10 +103,11 @@ class Planner:
 
     def _run(self, path, recording, variant, seed):
         options = variant.options | {"seed": str(seed)}
-        words = [self.program, "run", path, "-o", "{output}", "-q", "--threads", str(self.suite.threads)]
-        words += ["--camera", recording.camera] if recording.camera else []
-        words += ["--every", str(variant.every)] if variant.every > 1 else []
-        words += variant.arguments + [word for key, value in options.items() for word in ("--set", f"{key}={value}")]
+        more = ["--threads", self.suite.threads]
+        more += ["--camera", recording.camera] if recording.camera else []
+        more += ["--every", variant.every] if variant.every > 1 else []
+        more += variant.arguments + [word for key, value in options.items() for word in ("--set", f"{key}={value}")]
+        words = [as_template(self.program), "run", path, "-o", "{output}", "-q", *map(as_template, more)]
         effective = {key: number_or_text(value) for key, value in options_in_effect(options, self.defaults).items()}
         identity = {"options": effective, "arguments": variant.arguments}
         return words, "", identity | ({"every": variant.every} if variant.every > 1 else {})
@@ -122,23 +118,33 @@ class Planner:
 
     def _prepare(self, recording, variant, seed, identity):
         """The command line that writes the changed recording; adds to `identity` what it depends on."""
-        words, files = self._command_line(variant.prepare, recording.path, recording, variant, seed)
+        words, files = self._command_line(variant.prepare, as_template(recording.path), recording, variant, seed)
         identity |= {"prepare": {"command": variant.prepare, "version": variant.version, "files": files}}
         if "{seed}" in variant.prepare:
             identity["prepare"]["seed"] = seed
         return words
 
     def _command_line(self, template, path, recording, variant, seed):
-        """The words of a template, and the hashes of those that are files: the program, and scripts of the suite's folder."""
+        """The words of a template, and the hashes of those that are files: the program, and scripts of the suite's folder.
+        `path`: what the run finds the recording by, as a template."""
+        values = {name: as_template(value) for name, value in self._values(template, recording, variant, seed).items()}
+        values |= {"recording": path, "output": "{output}"}
         words, files = [], {}
         for word in shlex.split(template):
             file = self._file_of(word, is_program=not words)
             if file:
                 files[word] = hash_of_file(file)
-            words.append(file or _filled(word, path, recording, variant, seed, self.suite))
+            words.append(as_template(file) if file else filled(word, values, as_template))
         if not words:
             raise BatchError(f"variant {variant.name}: the command is empty")
         return words, files
+
+    def _values(self, template, recording, variant, seed):
+        """What the placeholders of a template stand for, but {output}, which is known when the run starts."""
+        if "{camera}" in template and not recording.camera:
+            raise BatchError(f"variant {variant.name}: {recording.name} has no 'camera:' in the suite, which the template uses")
+        return {"recording": recording.path, "camera": recording.camera, "name": recording.name, "seed": seed,
+                "threads": self.suite.threads}  # fmt: skip
 
     def _file_of(self, word, is_program):
         """The absolute path of a word of a template that names a file; None if it does not. Links are not followed: the
@@ -150,7 +156,8 @@ class Planner:
         return os.path.abspath(found) if found and os.path.isfile(found) else None
 
     def _external(self, path, recording, variant, seed):
-        file = Path(self.suite.folder, _filled(variant.external, path, recording, variant, seed, self.suite))
+        values = self._values(variant.external, recording, variant, seed)
+        file = Path(self.suite.folder, filled(variant.external, values))
         try:
             digest = hash_of_file(file)
         except OSError:

@@ -4,11 +4,11 @@ In: a YAML file. Out: a Suite, whose sequences are still names, globs and URLs (
 
 import re
 import shlex
-import string
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from .suite_file import read_yaml
+from .templates import placeholders
 
 SUITE_KEYS = ("name", "sequences", "variants", "seeds", "limits", "keep", "threads")
 SEQUENCE_KEYS = ("path", "name", "dataset", "camera", "truth", "sha256")
@@ -125,16 +125,15 @@ def _seeds(value):
     return seeds
 
 
-def _template(value):
+def _template(value, known=PLACEHOLDERS):
     """A text with placeholders in braces, checked."""
     try:
-        names = [name for _, name, _, _ in string.Formatter().parse(value.text()) if name is not None]
+        names = placeholders(value.text())
         shlex.split(value.text())
     except ValueError as error:
         value.fail(f"{error}; write {{{{ for a brace")
-    for name in names:
-        if name not in PLACEHOLDERS:
-            value.fail(f"unknown placeholder {{{name}}}; known: {', '.join('{' + p + '}' for p in PLACEHOLDERS)}")
+    for name in sorted(names - set(known)):
+        value.fail(f"unknown placeholder {{{name}}}; known: {', '.join('{' + p + '}' for p in known)}")
     return value.text()
 
 
@@ -171,7 +170,8 @@ def _variant(name, value, seeds):
             if needed not in variant.prepare:
                 fields["prepare"].fail(f"{needed} is missing, e.g. 'prepare: COMMAND {{recording}} {{output}}'")
     if kinds:
-        setattr(variant, kinds[0], _template(fields[kinds[0]]))
+        known = PLACEHOLDERS if kinds[0] == "command" else tuple(name for name in PLACEHOLDERS if name != "output")
+        setattr(variant, kinds[0], _template(fields[kinds[0]], known))
     if "version" in fields:
         variant.version = fields["version"].text()
     if variant.external or (variant.command and "{seed}" not in variant.command + variant.prepare):
