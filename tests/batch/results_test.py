@@ -2,9 +2,13 @@
 
 import json
 import os
+import shutil
+import subprocess
 import unittest
 
-from support import BatchTest
+from support import BatchTest, tmpfs
+
+from kinloop.batch.files import remove
 
 SIM = "sequences: [sim:room]\n"
 
@@ -141,6 +145,30 @@ class Rows(BatchTest):
         self.assertIn("make room and run the same command again", self.run_suite(variant(do="disk_full"), expect=3))
         self.batch("table", self.results)
         self.assertEqual(self.rows()[0]["status"], "not run")
+
+    def test_what_cannot_be_read_or_written_is_one_line(self):
+        suite = self.write("suite.yaml", SIM)
+        for name in ("results", "results/runs", "results/runs/.claims", "results/inputs/hashes", "results/plan.jsonl"):
+            self.write("results", "") if name == "results" else (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+            if name == "results/plan.jsonl":
+                (self.folder / name).mkdir()  # cannot be replaced by a file
+            else:
+                self.write(name, "a file where a folder should be")
+            output = self.batch(suite, "-o", self.results, "--program", self.program, "-q", expect=3)
+            self.assertRegex(output, rf"^error: .*{name}.*: cannot be written \(.*\n$")
+            remove(self.results)
+        for words in (["verify", self.results], ["shard", "1/1", self.results], ["table", self.results]):
+            self.assertRegex(self.batch(*words, expect=3), "^error: .*\n$")
+
+    def test_results_on_a_disk_that_is_read_only(self):
+        self.run_suite(SIM)
+        with tmpfs(self.folder / "disk", "1m") as disk:
+            shutil.copytree(self.results, disk / "results")
+            subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+            for words in (["verify"], ["table"], ["shard", "1/1"]):
+                self.batch(*words, disk / "results", "-q", expect=0 if words[0] == "shard" else 3)
+            output = self.run_suite(SIM, results=disk / "results", expect=3)
+            self.assertRegex(output, r"^error: .*: cannot be written \(Read-only file system\); .*\n$")
 
     def test_only_what_the_suite_says_is_kept(self):
         for keep, files in [("[trajectory.txt]", {"trajectory.txt"}), ("['*.ply', run.json]", {"map.ply", "run.json"}), ("[]", set())]:

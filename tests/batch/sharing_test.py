@@ -197,6 +197,19 @@ class Processes(BatchTest):
             self.assertLess(time.time(), end, running)
             time.sleep(0.05)
 
+    def test_an_interrupt_before_the_runs_is_one_line(self):
+        process = self.start(self.write("suite.yaml", "sequences: [room]"), "-o", self.results, "--program", self.write_script("sleep 60"))
+        while not self.calls_file.exists():
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual((process.communicate(timeout=20)[1], process.returncode), ("error: interrupted\n", 130))
+
+    def write_script(self, text):
+        """A program that says on $FAKE_CALLS that it was started."""
+        path = self.write("script", f"#!/bin/sh\necho >> $FAKE_CALLS\nexec {text}\n")
+        path.chmod(0o755)
+        return path
+
     @staticmethod
     def processes():
         found = []

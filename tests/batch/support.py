@@ -96,6 +96,19 @@ sys.exit(4 if do == "lost" else 0)
 """
 
 
+@contextlib.contextmanager
+def tmpfs(folder, size):
+    """A file system of some size, mounted at a new folder. Skips the test where this user may not mount."""
+    folder.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "kinloop_batch", folder], capture_output=True, text=True)
+    if mounted.returncode:
+        raise unittest.SkipTest(f"no file system can be mounted: {mounted.stderr.strip()}")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
+
+
 class BatchTest(unittest.TestCase):
     """A temporary folder with the stand-in for kinloop; `self.batch(...)` runs the command in this process."""
 

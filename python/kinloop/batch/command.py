@@ -11,7 +11,7 @@ from .cluster import run_by_slurm, write_scripts
 from .command_line import Parser, number_from
 from .compare import REGRESSION_EXIT_CODE, Thresholds, compare, read_summaries
 from .durations import Durations
-from .errors import BatchError, Unfinished, UsageError
+from .errors import BatchError, Interrupted, Unfinished, UsageError
 from .execute import execute, verify
 from .jobs import Job, Planner
 from .program import find_program
@@ -89,7 +89,7 @@ def run_suite(arguments):
     say(arguments, f"{len(jobs)} runs, {len(todo)} to do")
     progress = Progress(todo, arguments.quiet)
     try:
-        if todo and arguments.scheduler:
+        if todo and arguments.scheduler is not None:
             run_by_dask(todo, store, arguments.scheduler, progress, lambda text: say(arguments, text))
         elif todo and arguments.slurm is not None:
             script, _ = write_scripts(suite, todo, arguments.shards, program, store)
@@ -264,6 +264,15 @@ def main(words=None):
     except BatchError as error:
         print(printable(f"error: {error}"), file=sys.stderr)
         return error.exit_code
+    except KeyboardInterrupt:  # before or after the runs
+        print("error: interrupted", file=sys.stderr)
+        return Interrupted.exit_code
     except BrokenPipeError:  # the reader of standard output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
+    except OSError as error:  # of the file system, in a place that has no better words for it
+        print(printable(f"error: {error.filename or 'the system'}: {error.strerror or error}; check its permissions"), file=sys.stderr)
+        return BatchError.exit_code
+    except MemoryError:
+        print("error: out of memory; divide the suite", file=sys.stderr)
+        return BatchError.exit_code

@@ -16,11 +16,11 @@ from .figures import is_number
 from .files import hash_of_file, hash_of_value
 from .program import default_options, identity_of, number_or_text, options_in_effect
 from .recordings import is_simulated
+from .suite import MAX_RUNS
 from .templates import as_template, filled, placeholders
 
 FORMAT = 1  # of results; another number makes all runs new
 KEY = re.compile("[0-9a-f]{32}")  # of a run, and the name of its folder
-MAX_JOBS = 1_000_000
 
 
 @dataclass
@@ -82,8 +82,8 @@ class Planner:
     def jobs(self, recordings):
         """All combinations of recordings, variants and seeds."""
         count = len(recordings) * sum(len(variant.seeds) for variant in self.suite.variants)
-        if count > MAX_JOBS:
-            raise BatchError(f"{self.suite.name}: {count} runs; a suite has at most {MAX_JOBS}, divide it")
+        if count > MAX_RUNS:
+            raise BatchError(f"{self.suite.name}: {count} runs; a suite has at most {MAX_RUNS}, divide it")
         return [self._job(recording, variant, seed)
                 for recording in recordings for variant in self.suite.variants for seed in variant.seeds]  # fmt: skip
 

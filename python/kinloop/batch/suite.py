@@ -2,6 +2,7 @@
 
 In: a YAML file. Out: a Suite, whose sequences are still names, globs and URLs (recordings.py finds them)."""
 
+import itertools
 import re
 import shlex
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ LIMIT_KEYS = ("time", "memory")
 DEFAULT_KEEP = ("run.json", "trajectory.txt", "live.txt", "groundtruth.txt", "frames.txt")
 PLACEHOLDERS = ("recording", "camera", "output", "name", "seed", "threads")
 MAX_ROOMS = 100_000
+MAX_RUNS = 1_000_000
 MAX_STEP = 100_000  # of --every
 # Options of `kinloop run` that batch gives itself, or that would let a run wait or write elsewhere.
 OWN_OPTIONS = {
@@ -105,7 +107,16 @@ def _rooms(pattern, value):
     return [f"{match[1]}{i}" for i in range(first, last + 1)]
 
 
-def _sequences(value):
+def _sequences(value, runs_each):
+    """The sequences of a suite, which are counted before they take memory."""
+    most = MAX_RUNS // runs_each
+    sequences = list(itertools.islice(_all_sequences(value), most + 1))
+    if len(sequences) > most:
+        value.fail(f"more than {MAX_RUNS} runs, with {runs_each} of each sequence; divide the suite")
+    return sequences
+
+
+def _all_sequences(value):
     for item in value.items() if not value.is_mapping() else value.fail("expected a list: '- PATH'"):
         where = f"{item.file}:{item.node.start_mark.line + 1}"
         if not item.is_mapping():
@@ -196,11 +207,12 @@ def read_suite(path):
     seeds = _seeds(fields["seeds"]) if "seeds" in fields else [1]
     variants = [_variant(name, value, seeds)
                 for name, value in (fields["variants"].fields() if "variants" in fields else {}).items()]  # fmt: skip
+    variants = variants or [Variant("default", seeds=seeds)]
     suite = Suite(
         name=fields["name"].text() if "name" in fields else Path(path).stem,
         file=Path(path).resolve(),
-        sequences=list(_sequences(fields["sequences"])),
-        variants=variants or [Variant("default", seeds=seeds)],
+        sequences=_sequences(fields["sequences"], sum(len(variant.seeds) for variant in variants)),
+        variants=variants,
     )
     limits = fields["limits"].fields(LIMIT_KEYS) if "limits" in fields else {}
     if "time" in limits:

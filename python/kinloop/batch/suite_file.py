@@ -1,12 +1,14 @@
 """A YAML file as mappings that know their lines, so that each mistake is named where it stands."""
 
 import difflib
+import re
 from pathlib import Path
 
 from .errors import BatchError
 from .files import read_bytes
 
-MAX_BYTES = 10_000_000
+MAX_BYTES = 1_000_000  # PyYAML needs up to 600 bytes for each
+NO_TEXT = re.compile("[\0\ud800-\udfff]")
 
 
 def _yaml():
@@ -31,6 +33,8 @@ class Value:
         """The scalar as it is written: 0.5, true."""
         if self.node.id != "scalar" or self.node.tag.endswith(":null"):
             self.fail("expected a text or a number")
+        if NO_TEXT.search(self.node.value):
+            self.fail("holds a character that no name can have")
         return self.node.value
 
     def whole_number(self, lowest, highest):

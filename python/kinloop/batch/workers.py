@@ -7,6 +7,7 @@ under the same paths."""
 import concurrent.futures
 import heapq
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -23,6 +24,8 @@ POLL_S = 0.5
 TASK_RETRIES = 5
 SHORTEST_S = 1e-3  # of an expected time, so that jobs of which nothing is known are dealt evenly
 CONNECT_PATIENCE = "10s"
+ADDRESS = re.compile(r"(?:[a-z]+://)?[^\s/]+:(\d{1,5})")
+MAX_PORT = 65535
 
 
 @contextmanager
@@ -105,13 +108,16 @@ def command_of_task(job, store):
 
 def run_by_dask(jobs, store, address, progress, say):
     """Does the jobs by the workers of the scheduler at `address`. Dask repeats tasks whose worker is lost."""
+    match = ADDRESS.fullmatch(address)
+    if not match or int(match[1]) > MAX_PORT:
+        raise UsageError(f"--scheduler '{address}': expected an address such as tcp://192.168.0.2:8786")
     try:
         import distributed
     except ImportError:
         raise BatchError("--scheduler: Dask is missing: pip install 'kinloop[batch]', or use --workers") from None
     try:
         client = distributed.Client(address, timeout=CONNECT_PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # each transport has its own
         raise UsageError(f"--scheduler {address}: no scheduler answers ({error}); start one with 'dask scheduler'") from None
     with stopping_by_signals() as stop, client:
         say(f"dashboard {client.dashboard_link}")
