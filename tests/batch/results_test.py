@@ -75,6 +75,22 @@ class Keys(BatchTest):
         os.utime(image, ns=(state.st_atime_ns, state.st_mtime_ns + 1))
         self.assertNotEqual(self.key("sequences: [room]"), key)
 
+    def test_files_in_arguments_are_part_of_the_key_and_begin_at_the_suite(self):
+        keys = []
+        for text, argument in (("white", "--mask, mask.png"), ("black", "--mask, mask.png"), ("black", "--mask=mask.png"),
+                               ("black", "--vocabulary, ./mask.png")):  # fmt: skip
+            self.write("mask.png", text)
+            keys.append(self.key(SIM + f"variants: {{a: {{arguments: [{argument}]}}}}"))
+            (job,) = [json.loads(line) for line in (self.results / "plan.jsonl").read_text().splitlines()[1:]]
+            self.assertIn(str(self.folder / "mask.png"), job["words"])
+            self.assertNotIn("mask.png", job["words"])
+        self.assertEqual(len(set(keys)), 4)
+        os.unlink(self.folder / "mask.png")
+        for make in (lambda path: None, os.mkdir, lambda path: (os.rmdir(path), os.mkfifo(path))):
+            make(self.folder / "mask.png")
+            self.assertRegex(self.run_suite(SIM + "variants: {a: {arguments: [--mask, mask.png]}}", expect=3),
+                             r"^error: variant a: .*/mask.png: cannot be read \(.*\); paths begin at the suite's folder\n$")  # fmt: skip
+
     def test_the_build_id_identifies_a_program_of_elf(self):
         from kinloop.batch.program import build_id, identity_of
 

@@ -16,7 +16,7 @@ from .figures import is_number
 from .files import hash_of_file, hash_of_value
 from .program import default_options, identity_of, number_or_text, options_in_effect
 from .recordings import is_simulated
-from .suite import MAX_RUNS
+from .suite import FILE_OPTIONS, MAX_RUNS
 from .templates import as_template, filled, placeholders
 
 FORMAT = 1  # of results; another number makes all runs new
@@ -78,6 +78,7 @@ class Planner:
         self.suite, self.program = suite, program
         self.program_identity = identity_of(program)
         self.defaults = default_options(program)
+        self.hashes = {}  # of the files that variants name
 
     def jobs(self, recordings):
         """All combinations of recordings, variants and seeds."""
@@ -106,11 +107,34 @@ class Planner:
         more = ["--threads", self.suite.threads]
         more += ["--camera", recording.camera] if recording.camera else []
         more += ["--every", variant.every] if variant.every > 1 else []
-        more += variant.arguments + [word for key, value in options.items() for word in ("--set", f"{key}={value}")]
+        arguments, files = self._arguments(variant)
+        more += arguments + [word for key, value in options.items() for word in ("--set", f"{key}={value}")]
         words = [as_template(self.program), "run", path, "-o", "{output}", "-q", *map(as_template, more)]
         effective = {key: number_or_text(value) for key, value in options_in_effect(options, self.defaults).items()}
         identity = {"options": effective, "arguments": variant.arguments}
-        return words, "", identity | ({"every": variant.every} if variant.every > 1 else {})
+        return words, "", identity | ({"every": variant.every} if variant.every > 1 else {}) | ({"files": files} if files else {})
+
+    def _arguments(self, variant):
+        """The arguments with the paths of files made absolute, since a run starts in its own folder, and the hashes of these
+        files."""
+        words, files = [], {}
+        for argument in variant.arguments:
+            option, equals, value = argument.partition("=")
+            words += [option, value] if equals and option in FILE_OPTIONS else [argument]
+        for i, word in enumerate(words):
+            if i and words[i - 1] in FILE_OPTIONS:
+                words[i] = os.path.normpath(os.path.join(self.suite.folder, os.path.expanduser(word)))
+                files[word] = self._hash_of(words[i], variant)
+        return words, files
+
+    def _hash_of(self, path, variant):
+        """The hash of a file that a variant names."""
+        try:
+            if path not in self.hashes:
+                self.hashes[path] = hash_of_file(path)
+            return self.hashes[path]
+        except OSError as error:
+            raise BatchError(f"variant {variant.name}: {path}: cannot be read ({error.strerror}); paths begin at the suite's folder") from None
 
     def _command(self, path, recording, variant, seed):
         words, files = self._command_line(variant.command, path, recording, variant, seed)
@@ -133,7 +157,7 @@ class Planner:
         for word in shlex.split(template):
             file = self._file_of(word, is_program=not words)
             if file:
-                files[word] = hash_of_file(file)
+                files[word] = self._hash_of(file, variant)
             words.append(as_template(file) if file else filled(word, values, as_template))
         if not words:
             raise BatchError(f"variant {variant.name}: the command is empty")

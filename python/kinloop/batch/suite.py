@@ -30,6 +30,7 @@ OWN_OPTIONS = {
     "--save-map": "write 'keep: [map.kinmap]'", "--load-map": "runs are independent of each other",
     "--trajectory": "write 'keep: [trajectory.txt]'", "--poses-to": "runs write files only",
 }  # fmt: skip
+FILE_OPTIONS = ("--mask", "--vocabulary")  # of `kinloop run`, whose value is a file
 
 
 @dataclass
