@@ -120,6 +120,7 @@ ExitCode report(const std::exception& exception) {
   const auto* system = dynamic_cast<const std::system_error*>(&exception);
   if (system != nullptr && std::ferror(stdout) != 0) return standard_output_failed(system->code().value());
   const kinloop::Failure failure = kinloop::describe_failure(exception);
+  kinloop::tell_error_code(failure.code);
   kinloop::log::error("{}", failure.message);
   std::fputs(failure.hint.c_str(), stderr);
   return failure.exit_code;
@@ -152,6 +153,7 @@ thread_local bool memory_ran_out = false;
     if (const std::exception_ptr exception = std::current_exception()) std::rethrow_exception(exception);
     if (memory_ran_out) throw std::bad_alloc();
   } catch (const std::bad_alloc&) {
+    kinloop::tell_error_code("memory");
     std::fputs("error: out of memory\n", stderr);
     std::_Exit(static_cast<int>(ExitCode::kBadInput));
   } catch (const std::exception& error) {
@@ -178,6 +180,7 @@ int main(int argc, char** argv) {
     set_up_log();
     return static_cast<int>(run_and_report(argc, argv));
   } catch (const std::bad_alloc&) {  // before the log is set up, or while a failure is reported
+    kinloop::tell_error_code("memory");
     std::fputs("error: out of memory\n", stderr);
     return static_cast<int>(ExitCode::kBadInput);
   }

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void throw_no_room() {
   require_temporary_folder();
-  throw InputError(
+  throw OutputError(
       fmt::format("{}: no space for the images of the map; free some space, set TMPDIR to another folder, or "
                   "raise --set dense.image_memory_mib and dense.surfel_memory_mib",
                   temporary_folder().string()));

@@ -1,7 +1,7 @@
 #pragma once
 // The three kinds of failure. A violated contract between functions throws std::logic_error (`require`); a
-// bad file or option throws one of the two exceptions below, which `main` prints; an estimate that is
-// expected to fail at times returns an optional value.
+// bad file or option throws one of the exceptions below, which `main` prints; an estimate that is expected to
+// fail at times returns an optional value.
 
 #include <new>
 #include <stdexcept>
@@ -14,6 +14,13 @@ namespace kinloop {
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// A result, or a temporary file, that could not be written: the input may be good. The message names the
+/// file and the remedy.
+class OutputError : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 /// An invalid command line or option (exit code 2). The message names it and what was expected.

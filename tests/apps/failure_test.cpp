@@ -55,6 +55,17 @@ TEST(DescribeFailure, ABrokenPromiseIsAnErrorOfTheProgram) {
   EXPECT_EQ(describe_failure(UsageError("x")).exit_code, ExitCode::kWrongUse);
 }
 
+TEST(DescribeFailure, ProgramsReadItsCode) {
+  const auto code = [](const std::exception& error) { return describe_failure(error).code; };
+  EXPECT_EQ(code(UsageError("x")), "usage");
+  EXPECT_EQ(code(InputError("No space left on device")), "input");
+  EXPECT_EQ(code(InputErrorWithHint("x", "y")), "input");
+  EXPECT_EQ(code(OutputError("x")), "output");
+  EXPECT_EQ(code(std::system_error(ENOSPC, std::generic_category())), "output");
+  EXPECT_EQ(code(std::bad_alloc()), "memory");
+  EXPECT_EQ(code(std::logic_error("x")), "internal");
+}
+
 class Faults : public test::ProgramTest {
  protected:
   /// Runs the program as a user without rights, limited by `limits` of prlimit.
@@ -89,6 +100,15 @@ TEST_F(Faults, AFolderThatMayNotBeEntered) {
     EXPECT_THAT(refused.err, AllOf(HasSubstr("closed"), Not(HasSubstr("report it")))) << arguments;
   }
   EXPECT_THAT(run_as_nobody("eval " + file + file).err, HasSubstr("Permission denied"));
+}
+
+TEST_F(Faults, TheCodeIsAppendedToTheFileOfTheCaller) {
+  const std::string errors = "KINLOOP_ERRORS='" + at("errors") + "'";
+  EXPECT_EQ(run("vocab export default -o '" + at("x.txt") + "'", "ulimit -f 8; " + errors).exit_code,
+            kBadInput);
+  EXPECT_EQ(run("probe '" + at("No space left on device") + "'", errors).exit_code, kBadInput);
+  EXPECT_EQ(read_file(at("errors")), "{\"code\": \"output\"}\n{\"code\": \"input\"}\n");
+  EXPECT_EQ(run("probe '" + at("nowhere") + "'", "KINLOOP_ERRORS=/no/such/folder/x").exit_code, kBadInput);
 }
 
 TEST_F(Faults, ANameThatIsTooLong) {

@@ -123,7 +123,7 @@ class Rows(BatchTest):
 
     def test_a_run_that_fails_is_a_row_with_its_log(self):
         limits = "limits: {time: 1 s, memory: 300 MiB}\n"
-        for do, status, code in [("crash", "crashed", "SIGSEGV"), ("hang", "time limit", ""), ("memory", "out of memory", "1"),
+        for do, status, code in [("crash", "crashed", "SIGSEGV"), ("hang", "time limit", ""), ("memory", "out of memory", "3"),
                                  ("bad", "bad input", "3"), ("lost", "lost", "4"), ("no_frames", "no frames", "0"),
                                  ("no_truth", "no truth", "0"), ("kill", "killed", "SIGKILL")]:  # fmt: skip
             with self.subTest(do):
@@ -157,10 +157,18 @@ class Rows(BatchTest):
         self.assertEqual(self.row(suite)["status"], "done")
         self.assertEqual(len(self.calls()), 3 + 1)
 
-    def test_a_full_disk_stops_the_batch_and_is_no_row(self):
-        self.assertIn("make room and run the same command again", self.run_suite(variant(do="disk_full"), expect=3))
+    def test_a_run_whose_files_cannot_be_written_stops_the_batch_and_is_no_row(self):
+        output = self.run_suite(variant(do="output"), expect=3)
+        self.assertRegex(output, r"error: sim:room, a, seed 1: its files cannot be written \(x: .*\); make room or .* run the same command again")
         self.batch("table", self.results)
         self.assertEqual(self.rows()[0]["status"], "not run")
+
+    def test_errors_are_not_recognised_by_words_in_names(self):
+        for name in ("No space left on device", "Disk quota exceeded", "out of memory", "MemoryError"):
+            self.recording(name)
+            text = f"sequences: ['{name}']\nvariants: {{a: {{set: {{fake.do: bad}}}}}}\nlimits: {{memory: 1 GiB}}\n"
+            self.run_suite(text)
+            self.assertEqual(self.rows()[0]["status"], "bad input")
 
     def test_what_cannot_be_read_or_written_is_one_line(self):
         suite = self.write("suite.yaml", SIM)

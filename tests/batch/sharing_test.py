@@ -12,7 +12,7 @@ import unittest.mock
 
 from support import BatchTest
 
-from kinloop.batch.errors import DiskFull
+from kinloop.batch.errors import OutputError
 from kinloop.batch.files import remove
 
 ROOMS = "sequences: ['sim:room:1..{}']\nvariants: {{a: {{set: {{fake.sleep: {}}}}}}}\n"
@@ -116,7 +116,7 @@ class Claims(BatchTest):
 
     def test_a_claim_that_cannot_be_written_is_none(self):
         store = self.store()
-        with unittest.mock.patch("json.dump", side_effect=OSError(errno.ENOSPC, "full")), self.assertRaises(DiskFull):
+        with unittest.mock.patch("json.dump", side_effect=OSError(errno.ENOSPC, "full")), self.assertRaises(OutputError):
             store.claim("key")
         self.assertEqual(list(store.claims.iterdir()), [])
 

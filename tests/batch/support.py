@@ -69,12 +69,20 @@ if do == "kill_while" and os.path.exists(os.path.join(os.path.dirname(os.environ
     os.kill(os.getpid(), signal.SIGKILL)
 if do == "hang":
     time.sleep(1000)
+def fail(code, message):
+    with open(os.environ["KINLOOP_ERRORS"], "a") as file:
+        file.write('{{"code": "' + code + '"}}\\n')
+    sys.stderr.write("error: " + message + "\\n")
+    sys.exit(3)
 if do == "memory":
-    hoard = bytearray(10 ** 9)
-if do == "disk_full":
-    sys.exit("error: x: cannot be written (" + os.strerror(28) + ")")
+    try:
+        hoard = bytearray(10 ** 9)
+    except MemoryError:
+        fail("memory", "out of memory")
+if do == "output":
+    fail("output", "x: cannot be written (No space left on device)")
 if do == "bad":
-    sys.stderr.write("error: no such thing\\n")
+    sys.stderr.write("error: " + words[1] + ": no such thing\\n")
     sys.exit(3)
 text = json.dumps([os.path.basename(words[1]), options.get("seed"), options.get("features.count", "1000"), "--no-loop" in words])
 draw = int(hashlib.sha256(text.encode()).hexdigest()[:8], 16) / 2 ** 32

@@ -22,8 +22,8 @@ constexpr size_t kAlignment = 64;  // a cache line, and enough for every type
 [[noreturn]] void fail() {
   const int reason = errno;
   require_temporary_folder();
-  throw InputError(fmt::format("{}: temporary file: {}; free some space, or set TMPDIR to another folder",
-                               temporary_folder().string(), std::generic_category().message(reason)));
+  throw OutputError(fmt::format("{}: temporary file: {}; free some space, or set TMPDIR to another folder",
+                                temporary_folder().string(), std::generic_category().message(reason)));
 }
 
 bool write_at(int file, std::span<const uint8_t> bytes, size_t offset) {
@@ -50,7 +50,7 @@ void require_temporary_folder() {
   const std::filesystem::path folder = set != nullptr && *set != 0 ? set : temporary_folder();
   std::error_code error;
   if (std::filesystem::is_directory(folder, error)) return;
-  throw InputError(fmt::format(
+  throw OutputError(fmt::format(
       "{}: no folder for temporary files; create it, or set TMPDIR to another folder", folder.string()));
 }
 

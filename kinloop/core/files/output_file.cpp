@@ -210,8 +210,8 @@ OutputFile::OutputFile(fs::path path, Durability durability)
   const fs::path folder = place_.is_stream ? fs::temp_directory_path(error) : folder_of(place_.target);
   descriptor_ = create_temporary(folder, initial_mode(place_), temporary_);
   if (descriptor_ < 0) {
-    throw InputError(fmt::format("{}: cannot be written ({}); check that the folder exists and is writable",
-                                 path_.string(), text_of(errno)));
+    throw OutputError(fmt::format("{}: cannot be written ({}); check that the folder exists and is writable",
+                                  path_.string(), text_of(errno)));
   }
   if (!place_.is_stream) copy_owner_and_mode(place_.target, descriptor_);
 }
@@ -257,7 +257,7 @@ void OutputFile::copy_to_stream() const {
 }
 
 void OutputFile::fail(int error) const {
-  throw InputError(
+  throw OutputError(
       fmt::format("{}: cannot be written ({}); is the disk full?", path_.string(), text_of(error)));
 }
 
@@ -289,7 +289,7 @@ void flush_files(const fs::path& folder) {
   const int error = syncfs(descriptor) == 0 ? 0 : errno;
   close(descriptor);
   if (error != 0)
-    throw InputError(
+    throw OutputError(
         fmt::format("{}: writing failed ({}); is the disk full?", folder.string(), text_of(error)));
 }
 

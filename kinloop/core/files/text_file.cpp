@@ -34,8 +34,8 @@ void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
-    throw InputError(fmt::format("{}: cannot create the folder ({}); choose another output folder",
-                                 folder.string(), error.message()));
+    throw OutputError(fmt::format("{}: cannot create the folder ({}); choose another output folder",
+                                  folder.string(), error.message()));
   }
 }
 
@@ -148,13 +148,13 @@ void throw_parse_error(const std::filesystem::path& path, size_t line, const std
 
 AtomicFile::AtomicFile(std::filesystem::path path, Durability durability)
     : file_(std::move(path), durability), stream_(file_.temporary(), std::ios::binary) {
-  if (!stream_) throw InputError(fmt::format("{}: cannot be written", file_.path().string()));
+  if (!stream_) throw OutputError(fmt::format("{}: cannot be written", file_.path().string()));
 }
 
 void AtomicFile::commit(Existing existing) {
   stream_.close();
   if (stream_.fail())
-    throw InputError(fmt::format("{}: writing failed; is the disk full?", file_.path().string()));
+    throw OutputError(fmt::format("{}: writing failed; is the disk full?", file_.path().string()));
   file_.commit(existing);
 }
 

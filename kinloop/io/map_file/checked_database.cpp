@@ -143,7 +143,7 @@ void DatabaseWriter::execute(const std::string& sql) {
 }
 
 void DatabaseWriter::fail() const {
-  throw InputError(
+  throw OutputError(
       fmt::format("{}: cannot be written ({}); check that the folder is writable and the disk is not full",
                   file_.path().string(), sqlite3_errmsg(database_.get())));
 }

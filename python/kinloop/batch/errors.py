@@ -23,5 +23,5 @@ class Interrupted(Unfinished):
     exit_code = 130
 
 
-class DiskFull(BatchError):
+class OutputError(BatchError):
     """The results cannot be written. No row is written for the runs under way."""

@@ -1,18 +1,19 @@
 """Does one job: claims it, runs it under its limits, keeps what the suite says, and writes its row.
 
 In: a Job and the Store. Out: RESULTS/runs/KEY/ with result.json, log.txt and the kept files. A run that fails is a
-result, too; only what did not come from the run itself is repeated: a kill from outside, a full disk."""
+result, too; only what did not come from the run itself is repeated: a kill from outside, files that could not be written."""
 
 import fnmatch
 import os
 import shutil
 import signal
 import socket
+import tempfile
 from pathlib import Path
 
-from .errors import BatchError
+from .errors import BatchError, OutputError
 from .figures import of_run, score
-from .files import FULL, cannot_write, disk_full, hash_of_file
+from .files import cannot_write, hash_of_file
 from .process import run_limited
 from .templates import filled
 
@@ -22,7 +23,7 @@ NOT_REPEATABLE = {"run.json", "frames.txt", "report.html", *RESULT_FILES}  # wit
 FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP, 129, 130, 143)
 KILLED = "killed"  # the status of a run that did not survive its attempts; the next batch repeats it
 STATUS_OF_CODE = {1: "internal error", 2: "wrong use", 3: "bad input", 4: "lost", 127: "not started"}
-MAX_LOG_LOOK = 200_000
+LEAST_ROOM_BYTES = 1 << 16  # on the disk after a run
 
 
 def execute(job, store, stop, heartbeat):
@@ -53,7 +54,6 @@ def perform(job, folder, stop):
     try:
         log.touch()
         result = _score_external(job, log) if job.kind == "external" else _run(job, folder, log, stop)
-        _stop_if_disk_is_full(result, log)
         result |= {"key": job.key, "identity": job.identity, "files": hashes_of_files(folder), "host": socket.gethostname()}
         _remove_what_is_not_kept(folder, job.keep)
         return result
@@ -76,10 +76,11 @@ def _run(job, folder, log, stop):
             break
         if attempt < ATTEMPTS:
             _remove_what_is_not_kept(folder, [])
+    _require_outputs(ended, job, folder, log)
     figures, measured = _figures(job, folder, log)
     measured = {"wall_s": ended.wall_s, "cpu_s": ended.cpu_s, "peak_mib": ended.peak_mib, "memory_limit": ended.memory_limit} | measured
     code = signal.Signals(-ended.code).name if ended.code < 0 and not ended.timed_out else max(ended.code, 0)
-    status = "not prepared" if not prepared and ended.code > 0 else _status(ended, figures, job, log)
+    status = "not prepared" if not prepared and ended.code > 0 else _status(ended, figures)
     return {"status": status, "exit": "" if ended.timed_out else code, "figures": figures, "measured": measured,
             "attempts": attempt}  # fmt: skip
 
@@ -117,32 +118,33 @@ def _figures(job, folder, log):
     return figures, measured
 
 
-def _end_of(log):
-    with open(log, "rb") as file:
-        file.seek(max(0, os.path.getsize(log) - MAX_LOG_LOOK))
-        return file.read().decode(errors="replace")
-
-
-def _status(ended, figures, job, log):
+def _status(ended, figures):
     if ended.timed_out:
         return "time limit"
-    if ended.out_of_memory:
+    if ended.out_of_memory or b"memory" in ended.errors:
         return "out of memory"
     if ended.code < 0 or ended.code in FROM_OUTSIDE:
-        out_of_memory = job.memory_mib and "bad_alloc" in _end_of(log)
-        return "out of memory" if out_of_memory else KILLED if ended.code in FROM_OUTSIDE else "crashed"
+        return KILLED if ended.code in FROM_OUTSIDE else "crashed"
     if ended.code:
-        if "out of memory" in _end_of(log) or "MemoryError" in _end_of(log):
-            return "out of memory"
         return STATUS_OF_CODE.get(ended.code, "failed")
     if figures.get("frames") == 0:
         return "no frames"
     return "done" if "ate_m" in figures else "no truth"
 
 
-def _stop_if_disk_is_full(result, log):
-    if result["exit"] not in (0, 4, "") and any(os.strerror(code) in _end_of(log) for code in FULL):
-        raise disk_full(log.parent)
+def _require_outputs(ended, job, folder, log):
+    """Throws OutputError after a run that could not write its files, or that has left no room: nobody knows whether they are
+    whole. Programs that tell no codes are known by the second only."""
+    if b"output" in ended.errors:
+        raise OutputError(f"{job.sequence}, {job.variant}, seed {job.seed}: its files cannot be written{_last_line(log)}; make room or "
+                          "change permissions, and run the same command again, finished runs are kept")  # fmt: skip
+    with tempfile.TemporaryFile(dir=folder) as probe:
+        os.posix_fallocate(probe.fileno(), 0, LEAST_ROOM_BYTES)
+
+
+def _last_line(log):
+    lines = log.read_text(errors="replace").split("\n")
+    return next((f" ({line.removeprefix('error: ')})" for line in reversed(lines) if line), "")
 
 
 def hashes_of_files(folder):

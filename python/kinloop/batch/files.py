@@ -10,7 +10,7 @@ import stat
 import uuid
 from pathlib import Path
 
-from .errors import BatchError, DiskFull
+from .errors import BatchError, OutputError
 
 FULL = (errno.ENOSPC, errno.EDQUOT)
 MAX_BYTES = 256 << 20  # of a file that is read as a whole
@@ -43,7 +43,7 @@ def read_bytes(path, most=MAX_BYTES):
 
 
 def disk_full(path):
-    return DiskFull(f"{path}: the disk is full; make room and run the same command again, finished runs are kept")
+    return OutputError(f"{path}: the disk is full; make room and run the same command again, finished runs are kept")
 
 
 def cannot_write(path, error):
