@@ -127,7 +127,8 @@ class BatchTest(unittest.TestCase):
         self.program = self.write("kinloop", FAKE_PROGRAM)
         self.program.chmod(self.program.stat().st_mode | stat.S_IXUSR)
         self.calls_file = self.folder / "calls"
-        self.environment = {"FAKE_CALLS": str(self.calls_file), "FAKE_ONCE": str(self.folder / "once")}
+        self.environment = {"FAKE_CALLS": str(self.calls_file), "FAKE_ONCE": str(self.folder / "once"),
+                            "XDG_STATE_HOME": str(self.folder / "state")}  # fmt: skip
         for name, value in self.environment.items():
             os.environ[name] = value
         self.results = self.folder / "results"

@@ -7,6 +7,7 @@ import pathlib
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 import yaml
 from support import BatchTest
@@ -177,6 +178,41 @@ class Verify(BatchTest):
         before = {path: path.read_bytes() for path in (self.results / "runs").glob("*/*") if path.is_file()}
         self.assertIn("differs: map.ply\n", self.batch("verify", self.results, expect=5))
         self.assertEqual({path: path.read_bytes() for path in (self.results / "runs").glob("*/*") if path.is_file()}, before)
+
+    def test_data_names_no_program(self):
+        self.recording("room")
+        self.run_suite("sequences: [room]\nkeep: [trajectory.txt, groundtruth.txt]")
+        (run,) = (self.results / "runs").glob("*/trajectory.txt")
+        self.write("groundtruth.txt", "").rename(run.with_name("groundtruth.txt"))  # so that there is something to draw
+        started = self.folder / "started"
+        program = self.write("bad.sh", f"#!/bin/sh\necho $* >> {started}\n")
+        program.chmod(0o755)
+        plan = self.results / "plan.jsonl"
+        plan.write_text(plan.read_text().replace(str(self.program), str(program)))
+        with unittest.mock.patch.dict(os.environ, {"KINLOOP_PROGRAM": str(self.program)}):
+            self.batch("table", self.results)
+            for words in (["verify", self.results], ["shard", "1/1", self.results]):
+                self.assertRegex(self.batch(*words, expect=3), r"plan.jsonl: was not written by you .* give --trust if you trust it\n$")
+        self.assertFalse(started.exists())
+        self.batch("verify", self.results, "--trust", expect=5)
+        self.assertTrue(started.exists())
+
+    def test_a_plan_of_another_user_or_without_a_signature_is_not_own(self):
+        self.run_suite("sequences: [sim:room]")
+        self.assertIn("the same", self.batch("verify", self.results))
+        key, plan = self.folder / "state/kinloop/plan_key", self.results / "plan.jsonl"
+        self.assertEqual(key.stat().st_mode & 0o777, 0o600)
+        key.rename(key.with_name("old"))
+        self.assertIn("not written by you", self.batch("verify", self.results, expect=3))
+        key.write_bytes(b"")  # no key can be made
+        self.run_suite("sequences: [sim:room]")
+        self.assertIn("not written by you", self.batch("verify", self.results, expect=3))
+        key.with_name("old").rename(key)
+        self.run_suite("sequences: [sim:room]")
+        for header in ('{"title": "a"}', '{"title": "a", "signature": ""}', '{"title": "a", "signature": "\u00e9"}',
+                       '{"title": "a", "signature": []}'):  # fmt: skip
+            plan.write_text("\n".join([header, *plan.read_text().splitlines()[1:]]) + "\n")
+            self.assertIn("not written by you", self.batch("verify", self.results, expect=3))
 
     def test_nothing_to_verify_is_said(self):
         self.assertIn("cannot be read", self.batch("verify", self.folder / "x", expect=3))
@@ -358,7 +394,7 @@ class Shards(BatchTest):
         self.assertEqual((job["spec"]["completionMode"], job["spec"]["completions"]), ("Indexed", 2))
         script = job["spec"]["template"]["spec"]["containers"][0]["args"][0].replace("exec ", "printf '%s\\n' ", 1)
         words = subprocess.run(["sh", "-c", script], env={"JOB_COMPLETION_INDEX": "1"}, capture_output=True, text=True, check=True)
-        self.assertEqual(words.stdout.splitlines(), [str(self.program.resolve()), "batch", "shard", "2/2", str(self.results), "--help-others"])
+        self.assertEqual(words.stdout.splitlines(), [str(self.program.resolve()), "batch", "shard", "2/2", str(self.results), "--help-others", "--trust"])
 
 
 if __name__ == "__main__":

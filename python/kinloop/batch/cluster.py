@@ -22,7 +22,7 @@ SLURM = """#!/bin/sh
 #SBATCH --time={minutes}
 #SBATCH --requeue
 #SBATCH --output="{output}"
-{memory}exec {command} "$SLURM_ARRAY_TASK_ID/{shards}" {results} --help-others
+{memory}exec {command} "$SLURM_ARRAY_TASK_ID/{shards}" {results} --help-others --trust
 """
 
 KUBERNETES = """# {name}: {runs} runs in {shards} shards. Submit it with:  kubectl apply -f kubernetes.yaml
@@ -73,7 +73,7 @@ def write_scripts(suite, jobs, shards, program, store):
         folder=shlex.quote(folder), output=folder.replace("%", "%%") + "/slurm-%A_%a.log", command=shell, results=shlex.quote(folder),
         minutes=max(1, round(per_shard * suite.time_s * SPARE_TIME / 60)),
         memory=f"#SBATCH --mem={suite.memory_mib + 512}M\n" if suite.memory_mib else "", **values)  # fmt: skip
-    index = f'exec {shell} "$((JOB_COMPLETION_INDEX + 1))/{shards}" {shlex.quote(folder)} --help-others'
+    index = f'exec {shell} "$((JOB_COMPLETION_INDEX + 1))/{shards}" {shlex.quote(folder)} --help-others --trust'
     kubernetes = KUBERNETES.format(argument="'" + index.replace("'", "''") + "'", memory=(suite.memory_mib or DEFAULT_MEMORY_MIB) + 512,
                                    mount="'" + folder.replace("'", "''") + "'", **values)  # fmt: skip
     paths = store.folder / "slurm.sh", store.folder / "kubernetes.yaml"

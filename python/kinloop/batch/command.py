@@ -32,6 +32,26 @@ def say(arguments, text):
         print(printable(text), file=sys.stderr)
 
 
+def own_program():
+    """The program that has started this package, or the installed one; None without. Never one that a plan names."""
+    try:
+        return find_program(os.environ.get("KINLOOP_PROGRAM", "kinloop"))
+    except BatchError:
+        return None
+
+
+def add_trust(parser):
+    parser.add_flag("--trust", text="run the programs of a plan that somebody else, or another machine, has written")
+
+
+def runnable_plan(arguments, store):
+    """The jobs of a plan that this user has written, or says to trust."""
+    _, jobs = store.read_plan()
+    if not arguments.trust:
+        store.require_own_plan()
+    return jobs
+
+
 def plan_of(arguments):
     """The suite, its jobs, which are written to the plan of the store, and the store."""
     suite = read_suite(arguments.suite)
@@ -43,8 +63,8 @@ def plan_of(arguments):
     return suite, jobs, store, program
 
 
-def report(arguments, title, jobs, store):
-    say(arguments, write_report(title, jobs, store))
+def report(arguments, title, jobs, store, program):
+    say(arguments, write_report(title, jobs, store, program))
     say(arguments, f"results    {store.folder} (index.html, runs.csv)")
 
 
@@ -98,9 +118,9 @@ def run_suite(arguments):
             run_locally(todo, store, arguments.workers or os.cpu_count() or 1, progress)
     except Unfinished:
         progress.end_line()
-        report(arguments, suite.name, jobs, store)
+        report(arguments, suite.name, jobs, store, program)
         raise
-    report(arguments, suite.name, jobs, store)
+    report(arguments, suite.name, jobs, store, program)
 
 
 # kinloop batch task: what a worker of Dask starts
@@ -153,6 +173,7 @@ def shard_parser():
     parser.add_text("RESULTS", "folder of the results of kinloop batch plan")
     parser.add_option("--workers", metavar="N", kind=number_from(1, MAX_WORKERS), default=1, text="runs at a time")
     parser.add_flag("--help-others", text="then do what the other shards have not begun")
+    add_trust(parser)
     return parser
 
 
@@ -162,7 +183,7 @@ def do_shard(arguments):
     if not 1 <= number <= count <= MAX_WORKERS:
         raise UsageError(f"kinloop batch shard: '{arguments.shard}': expected a shard and their number, e.g. 3/100")
     store = Store(arguments.results)
-    _, jobs = store.read_plan()
+    jobs = runnable_plan(arguments, store)
     todo = unfinished(shard_of(jobs, number, count), store.create())
     say(arguments, f"shard {number} of {count}: {len(todo)} runs to do")
     run_locally(todo, store, arguments.workers, Progress(todo, arguments.quiet))
@@ -182,7 +203,7 @@ def table_parser():
 def table(arguments):
     store = Store(arguments.results)
     title, jobs = store.read_plan()
-    report(arguments, title, jobs, store)
+    report(arguments, title, jobs, store, own_program())
 
 
 def verify_parser():
@@ -190,13 +211,14 @@ def verify_parser():
     parser.add_text("RESULTS", "folder of results")
     parser.add_option("--sample", metavar="N", kind=number_from(1, 1_000_000), default=10, text="number of runs to repeat")
     parser.add_option("--seed", metavar="N", kind=number_from(0, 1_000_000_000), default=1, text="of the choice of runs")
+    add_trust(parser)
     return parser
 
 
 def verify_sample(arguments):
     """Runs a sample again. The exit code tells whether all bytes were the same."""
     store = Store(arguments.results)
-    _, jobs = store.read_plan()
+    jobs = runnable_plan(arguments, store)
     finished = [job for job in without_repetition(jobs) if store.has(job.key)]
     if not finished:
         raise BatchError(f"{store.folder}: no run is finished; run the suite first")

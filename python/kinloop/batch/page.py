@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from .files import kind_of
 from .statistics import VARIANT_COLUMNS
 from .tables import COLUMNS, TEXTS
 
@@ -35,7 +36,7 @@ def _entry(folder):
 
 def picture_of(program, folder):
     """The paths and errors of a run as `kinloop eval --plot` draws them, as a URL of data; empty without a trajectory."""
-    if not (folder / "trajectory.txt").exists() or not (folder / "groundtruth.txt").exists():
+    if not program or not all(kind_of(folder / name) == "file" for name in ("trajectory.txt", "groundtruth.txt")):
         return ""
     with tempfile.TemporaryDirectory(prefix="kinloop_batch_") as scratch:
         file = Path(scratch) / "errors.svg"
@@ -47,7 +48,7 @@ def picture_of(program, folder):
             return ""
 
 
-def _worst(jobs, rows, store):
+def _worst(jobs, rows, store, program):
     """The runs with the largest errors: one a sequence and variant."""
     seen, worst = set(), []
     for job, row in sorted(zip(jobs, rows), key=lambda pair: -(pair[1]["ate_m"] or 0.0)):
@@ -56,17 +57,17 @@ def _worst(jobs, rows, store):
         seen.add((job.sequence, job.variant))
         folder = store.run_folder(job.key)
         text = f"{job.sequence}, {job.variant}, seed {job.seed}: ATE {row['ate_m']:.4f} m"
-        worst.append({"text": text, "href": f"runs/{job.key}/{_entry(folder)}", "picture": picture_of(job.program, folder)})
+        worst.append({"text": text, "href": f"runs/{job.key}/{_entry(folder)}", "picture": picture_of(program, folder)})
     return worst
 
 
-def page_text(title, jobs, rows, variants, store):
+def page_text(title, jobs, rows, variants, store, program):
     entries = {job.key: _entry(store.run_folder(job.key)) for job in jobs}
     data = {
         "title": title, "counts": counts_text(rows), "columns": COLUMNS, "texts": sorted(TEXTS),
         "rows": [[_rounded(row[column]) for column in COLUMNS] + [entries[row["key"]]] for row in rows],
         "variantColumns": VARIANT_COLUMNS, "variants": [[_rounded(row[column]) for column in VARIANT_COLUMNS] for row in variants],
-        "worst": _worst(jobs, rows, store),
+        "worst": _worst(jobs, rows, store, program),
     }  # fmt: skip
     text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")  # a name must not end the script
     return TEMPLATE.read_text().replace("DATA", text, 1)

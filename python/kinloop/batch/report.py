@@ -12,8 +12,8 @@ from .statistics import SEQUENCE_COLUMNS, VARIANT_COLUMNS, summarise_sequences, 
 from .tables import csv_text, rows_of, write_rows
 
 
-def write_report(title, jobs, store):
-    """Writes all files; returns how many runs ended how."""
+def write_report(title, jobs, store, program):
+    """Writes all files; returns how many runs ended how. `program`: draws the pictures; None: there are none."""
     rows = rows_of(jobs, store)
     summaries = summarise_sequences(rows)
     variants = summarise_variants(summaries)
@@ -21,5 +21,5 @@ def write_report(title, jobs, store):
     write_whole(store.folder / "sequences.csv", csv_text(SEQUENCE_COLUMNS, summaries))
     write_whole(store.folder / "variants.csv", csv_text(VARIANT_COLUMNS, variants))
     write_whole(store.folder / "table.tex", latex_table(summaries))
-    write_whole(store.folder / "index.html", page_text(title, jobs, rows, variants, store))
+    write_whole(store.folder / "index.html", page_text(title, jobs, rows, variants, store, program))
     return counts_text(rows)

@@ -19,6 +19,7 @@ from .errors import BatchError
 from .figures import checked_result
 from .files import cannot_write, make_folder, open_file, read_json, remove, write_json, write_whole
 from .jobs import KEY, Job
+from .trust import is_own, signature_of
 
 BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 HEARTBEAT_S = 15.0
@@ -94,8 +95,18 @@ class Store:
     # Plan
 
     def write_plan(self, title, jobs):
-        lines = [json.dumps({"title": title}), *(job.to_line() for job in jobs)]
-        write_whole(self.plan_file, "".join(line + "\n" for line in lines))
+        lines = "".join(job.to_line() + "\n" for job in jobs).encode()
+        write_whole(self.plan_file, json.dumps({"title": title, "signature": signature_of(lines)}).encode() + b"\n" + lines)
+
+    def require_own_plan(self):
+        """Throws BatchError if somebody else has written the plan, whose programs would be run."""
+        with contextlib.suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
+            with open_file(self.plan_file) as file:
+                signature = json.loads(file.readline(MAX_LINE_BYTES))["signature"]
+                if is_own(file.read(), signature):
+                    return
+        raise BatchError(f"{self.plan_file}: was not written by you on this machine, and its programs would be run as you; read it, and "
+                         "give --trust if you trust it")  # fmt: skip
 
     def read_plan(self):
         """The title of the last suite and its jobs. Throws BatchError if there is none."""
