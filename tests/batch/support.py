@@ -87,10 +87,15 @@ if do == "bad":
 text = json.dumps([os.path.basename(words[1]), options.get("seed"), options.get("features.count", "1000"), "--no-loop" in words])
 draw = int(hashlib.sha256(text.encode()).hexdigest()[:8], 16) / 2 ** 32
 ate = 0.01 + 0.01 * draw
-with open(os.path.join(out, "trajectory.txt"), "w") as file:
-    file.write(f"1.0 {{ate}} 0 0 0 0 0 1\\n")
-with open(os.path.join(out, "map.ply"), "w") as file:
-    file.write(str(time.time()) if do == "random" else text)
+def write(name, text):
+    try:
+        with open(os.path.join(out, name), "w") as file:
+            file.write(text)
+    except OSError as error:
+        os.unlink(os.path.join(out, name))
+        fail("output", name + ": cannot be written (" + error.strerror + "); is the disk full?")
+write("trajectory.txt", f"1.0 {{ate}} 0 0 0 0 0 1\\n")
+write("map.ply", str(time.time()) if do == "random" else text.ljust(int(options.get("fake.bytes", 0))))
 run = {{"frames": 0 if do == "no_frames" else 100, "tracked": 99, "keyframes": 7, "loops": [1, 2], "cpu_s": 1 + draw, "wall_s": 1.0,
        "frame_ms": {{"median": 5}}, "peak_memory_mib": 100.5, "depth_sensor": "kinect1",
        "quality": {{"verdict": "good", "seconds": 3.3, "seconds_doubtful": 0.1, "seconds_lost": 0}}}}
@@ -98,8 +103,7 @@ if do != "no_truth":
     run["evaluation"] = {{"ate": {{"rmse_m": ate}}, "live": {{"ate": {{"rmse_m": 2 * ate}}}}, "coverage": {{"time": 1.0}},
         "rpe_1s": {{"translation": {{"rmse_m": ate}}, "rotation": {{"rmse_deg": 0.5}}}},
         "rpe_1frame": {{"translation": {{"rmse_m": ate / 9}}}}}}
-with open(os.path.join(out, "run.json"), "w") as file:
-    json.dump(run, file)
+write("run.json", json.dumps(run))
 sys.exit(4 if do == "lost" else 0)
 """
 
