@@ -111,6 +111,7 @@ ExitCode run(int argc, char** argv) {
 /// needs no message.
 ExitCode standard_output_failed(int error) {
   if (error == EPIPE) return ExitCode::kOutputClosed;
+  kinloop::tell_error_code("output");
   kinloop::log::error("standard output: cannot be written ({}); the results in files are complete",
                       std::generic_category().message(error));
   return ExitCode::kBadInput;

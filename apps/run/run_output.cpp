@@ -6,6 +6,7 @@
 
 #include "apps/run/summary/loop_pictures.hpp"
 #include "apps/shared/files/report_file.hpp"
+#include "apps/shared/terminal/failure.hpp"
 #include "dense/files/ply.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "kinloop/core/errors.hpp"
@@ -108,6 +109,7 @@ nlohmann::json RunOutput::write(const RunEnding& ending, const Progress& progres
 }
 
 bool RunOutput::check() const {
+  if (!saved_) tell_error_code("output");
   return check_result(outcome_, trajectory(), depth_) && saved_;
 }
 
