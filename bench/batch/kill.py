@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Kills parts of a batch at random until it has been killed often enough, and compares what comes of it.
 
-    build/test_packages/bin/python bench/batch/kill.py PROGRAM FOLDER [--kills 50] [--rooms 20]
+    build/test_packages/bin/python bench/batch/kill.py PROGRAM FOLDER [--kills 100] [--rooms 20] [--dask] [--longest-pause 5]
 
-FOLDER gets the results of a batch that nobody disturbs, by a local worker, and of one by a Dask scheduler with two workers.
-Of the second, the batch, the scheduler, a worker or a run of kinloop is killed (SIGKILL) again and again, and started
-anew. Prints what was killed, and whether tables (but for times) and all other files are the same. Needs distributed and
-PyYAML. Exit code 1: they differ."""
+FOLDER gets the results of a batch that nobody disturbs, and of two batches that share a folder, or with --dask of one by a
+scheduler with two workers. Of the latter, a batch, the scheduler, a worker or a run of kinloop is killed (SIGKILL) again and
+again, and started anew. Prints what was killed, and whether tables (but for times) and all other files are the same. Needs PyYAML, and
+distributed with --dask. Exit code 1: they differ."""
 
 import argparse
 import collections
@@ -27,32 +27,36 @@ variants:
   no_loop: {{arguments: [--no-loop], set: {{sim.width: 160, sim.height: 120, sim.frames: 25}}}}
 """
 PORT = 8791
-LONGEST_PAUSE_S = 5.0
-TARGETS = ("batch", "scheduler", "worker 1", "worker 2", "run", "run")
 
 
 class Cluster:
-    """The batch and its cluster; what is dead is started again."""
+    """The batches and what works for them; what is dead is started again."""
 
-    def __init__(self, program, folder, results):
+    def __init__(self, program, folder, results, dask):
         self.folder, self.results, self.processes = folder, results, {}
+        call = [sys.executable, str(PACKAGE), str(folder / "suite.yaml"), "-o", str(results), "--program", program]
+        local = [*call, "--workers", "1"]
+        self.calls = self._with_dask(call) if dask else {"batch 1": local, "batch 2": local}
+
+    @staticmethod
+    def _with_dask(call):
         address = f"tcp://127.0.0.1:{PORT}"
         worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"]
-        self.calls = {
+        return {
             "scheduler": [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", str(PORT), "--no-dashboard"],
             "worker 1": worker, "worker 2": worker,
-            "batch": [sys.executable, str(PACKAGE), str(folder / "suite.yaml"), "-o", str(results), "--program", program,
-                      "--scheduler", address],
+            "batch": [*call, "--scheduler", address],
         }  # fmt: skip
 
     def start_dead(self):
         for name, call in self.calls.items():
-            if name not in self.processes or self.processes[name].poll() is not None:
+            ended = self.processes[name].poll() if name in self.processes else 1
+            if ended is not None and not (ended == 0 and name.startswith("batch")):
                 with open(self.folder / f"{name}.log", "a") as log:
                     self.processes[name] = subprocess.Popen(call, cwd=self.folder, stdout=log, stderr=log)
 
     def finished(self):
-        return "batch" in self.processes and self.processes["batch"].poll() == 0
+        return all(name in self.processes and self.processes[name].poll() == 0 for name in self.calls if name.startswith("batch"))
 
     def runs(self):
         """The processes of kinloop that work for the results."""
@@ -104,20 +108,23 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--rooms", type=int, default=20)
+    parser.add_argument("--dask", action="store_true")
+    parser.add_argument("--longest-pause", metavar="SECONDS", type=float, default=5.0)
     arguments = parser.parse_args()
     folder = arguments.folder.resolve()
     folder.mkdir(parents=True)
     (folder / "suite.yaml").write_text(SUITE.format(rooms=arguments.rooms))
     batch(folder / "suite.yaml", "-o", folder / "undisturbed", "--program", arguments.program, "--workers", 1)
 
-    cluster, rng, killed, begin = Cluster(arguments.program, folder, folder / "killed"), random.Random(1), collections.Counter(), time.time()
+    cluster = Cluster(arguments.program, folder, folder / "killed", arguments.dask)
+    targets, rng, killed, begin = [*cluster.calls, "run", "run"], random.Random(1), collections.Counter(), time.time()
     try:
         while not cluster.finished():
             cluster.start_dead()
-            time.sleep(rng.uniform(0.2, LONGEST_PAUSE_S))
-            name = rng.choice(TARGETS)
+            time.sleep(rng.uniform(0.04, 1) * arguments.longest_pause)
+            name = rng.choice(targets)
             if killed.total() < arguments.kills and not cluster.finished() and cluster.kill(name):
                 killed[name] += 1
     finally:

@@ -5,12 +5,14 @@ import json
 import os
 import random
 import signal
+import subprocess
+import sys
 import threading
 import time
 import unittest
 import unittest.mock
 
-from support import BatchTest
+from support import SOURCE, BatchTest
 
 from kinloop.batch.errors import OutputError
 from kinloop.batch.files import remove
@@ -183,6 +185,14 @@ class Processes(BatchTest):
         self.run_suite(text)
         self.assertEqual(self.table(), self.table(self.folder / "whole"))
         self.assertEqual([path.name for path in (self.results / "runs/.claims").iterdir()], [])
+
+    def test_two_batches_in_one_folder_that_are_killed_give_the_same_table(self):
+        (self.folder / "bench").mkdir()
+        call = [sys.executable, SOURCE / "bench/batch/kill.py", self.program, self.folder / "bench/out", "--kills", 5, "--rooms", 5,
+                "--longest-pause", 0.4]  # fmt: skip
+        done = subprocess.run([str(word) for word in call], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"killed [1-5] times(.|\n)*table the same, 20 files the same")
 
     def test_a_run_ends_with_the_process_that_started_it(self):
         suite = self.write("suite.yaml", "sequences: [sim:room]\nvariants: {a: {set: {fake.do: hang}}}\n")
