@@ -16,6 +16,7 @@ packages=(
   "usd-core==26.11; python_version>='3.11' and platform_machine=='x86_64'" # meshes as .usda, .usdz: tests/scripts/usd_test.py
   dask==2026.8.0 distributed==2026.8.0    # workers of kinloop batch: tests/batch/dask_test.py
   "pyarrow==26.0.1; python_version>='3.11'" # its Parquet: the same
+  clang-tidy==23.1.4                      # .ci/tidy.py
   pyrealsense2==2.59.1.11053              # .db3 files of RealSense cameras: tests/scripts/realsense_test.py
   "pyk4a-bundle==1.5.0; python_version=='3.11' and platform_machine=='x86_64'" # .mkv of an Azure Kinect: tests/scripts/azure_test.py
 )

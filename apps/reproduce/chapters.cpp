@@ -39,9 +39,9 @@ std::string table_text(const MarkdownTable& table) {
   for (size_t i = 0; i < table.size(); ++i) {
     text += fmt::format("| {} |\n", fmt::join(table[i], " | "));
     if (i > 0) continue;
-    text += "|";
+    text += '|';
     for (size_t column = 0; column < table[i].size(); ++column) text += "---|";
-    text += "\n";
+    text += '\n';
   }
   return text;
 }

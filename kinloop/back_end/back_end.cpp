@@ -55,7 +55,7 @@ void BackEnd::submit(Slot<Kind>& slot, FrameId now, const JobContext& context) {
   if (!slot.stale && !slot.kind.is_due(context)) return;
   slot.stale = false;
   auto work = [this, &slot, problem = slot.kind.make_problem(context)]() -> Completion {
-    return [this, &slot, solution = Kind::solve(problem)] { apply(slot, solution); };
+    return [this, &slot, solution = Kind::solve(problem)]() mutable { apply(slot, std::move(solution)); };
   };
   executor_->submit(now, {Kind::kName, slot.kind.lag_frames(), std::move(work)});
 }
@@ -69,7 +69,7 @@ void BackEnd::solve_now(const JobContext& context) {
 }
 
 template <class Kind>
-void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution solution) {
+void BackEnd::apply(Slot<Kind>& slot, typename Kind::Solution&& solution) {
   auto applied = slot.kind.apply(map_, solution);
   if (!applied) {
     slot.kind.on_stale(std::move(solution));

@@ -78,7 +78,7 @@ class BackEnd {
   template <class Kind>
   void solve_now(const JobContext& context);
   template <class Kind>
-  void apply(Slot<Kind>& slot, typename Kind::Solution solution);
+  void apply(Slot<Kind>& slot, typename Kind::Solution&& solution);
   void solve_remaining(const JobContext& context);
   void take(AppliedSolution applied);
   void complete(const std::vector<FinishedJob>& jobs);
