@@ -62,6 +62,8 @@ TEST(DescribeFailure, ProgramsReadItsCode) {
   EXPECT_EQ(code(InputErrorWithHint("x", "y")), "input");
   EXPECT_EQ(code(OutputError("x")), "output");
   EXPECT_EQ(code(std::system_error(ENOSPC, std::generic_category())), "output");
+  for (const int limit : {EAGAIN, EMFILE, ENFILE})
+    EXPECT_EQ(code(std::system_error(limit, std::generic_category())), "limit");
   EXPECT_EQ(code(std::bad_alloc()), "memory");
   EXPECT_EQ(code(std::logic_error("x")), "internal");
 }

@@ -125,14 +125,14 @@ class Rows(BatchTest):
         limits = "limits: {time: 1 s, memory: 300 MiB}\n"
         for do, status, code in [("crash", "crashed", "SIGSEGV"), ("hang", "time limit", ""), ("memory", "out of memory", "3"),
                                  ("bad", "bad input", "3"), ("lost", "lost", "4"), ("no_frames", "no frames", "0"),
-                                 ("no_truth", "no truth", "0"), ("kill", "killed", "SIGKILL")]:  # fmt: skip
+                                 ("no_truth", "no truth", "0"), ("kill", "killed", "SIGKILL"), ("limit", "killed", "3")]:  # fmt: skip
             with self.subTest(do):
                 row = self.row(variant(do=do) + limits)
                 self.assertEqual((row["status"], row["exit"]), (status, code))
                 self.assertTrue((self.results / "runs" / row["key"] / "log.txt").exists())
                 calls = len(self.calls())
                 self.row(variant(do=do) + limits)
-                again = 3 if do == "kill" else 0  # a failure is a result, unless it came from outside
+                again = 3 if status == "killed" else 0  # a failure is a result, unless it came from outside
                 self.assertEqual(len(self.calls()), calls + again)
         self.assertIn("no such thing", (self.results / "runs" / self.row(variant(do="bad"))["key"] / "log.txt").read_text())
 

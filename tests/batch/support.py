@@ -79,6 +79,8 @@ if do == "memory":
         hoard = bytearray(10 ** 9)
     except MemoryError:
         fail("memory", "out of memory")
+if do == "limit":
+    fail("limit", "too many files are open")
 if do == "output":
     fail("output", "x: cannot be written (No space left on device)")
 if do == "bad":

@@ -39,10 +39,13 @@ std::string describe_system_error(const std::system_error& error) {
   return fmt::format("the system reports: {}", error.what());
 }
 
-/// Whether something could not be written or read.
+/// Whether something could not be written or read, or the machine is busy.
 std::string_view code_of(const std::error_code& error) {
-  return error == std::errc::no_space_on_device || error == std::errc::read_only_file_system ? "output"
-                                                                                             : "input";
+  if (error == std::errc::no_space_on_device || error == std::errc::read_only_file_system) return "output";
+  const bool is_limit = error == std::errc::resource_unavailable_try_again ||
+                        error == std::errc::too_many_files_open ||
+                        error == std::errc::too_many_files_open_in_system;
+  return is_limit ? "limit" : "input";
 }
 
 /// The message for a path that the standard library could not use.

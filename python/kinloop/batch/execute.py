@@ -21,7 +21,7 @@ ATTEMPTS = 3  # of a run that is killed from outside, e.g. because the machine h
 RESULT_FILES = ("result.json", "log.txt")
 NOT_REPEATABLE = {"run.json", "frames.txt", "report.html", *RESULT_FILES}  # with times of this run
 FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM, -signal.SIGINT, -signal.SIGHUP, 129, 130, 143)
-KILLED = "killed"  # the status of a run that did not survive its attempts; the next batch repeats it
+KILLED = "killed"  # the status of a run none of whose attempts survived; the next batch repeats it
 STATUS_OF_CODE = {1: "internal error", 2: "wrong use", 3: "bad input", 4: "lost", 127: "not started"}
 LEAST_ROOM_BYTES = 1 << 16  # on the disk after a run
 
@@ -72,7 +72,7 @@ def _score_external(job, log):
 def _run(job, folder, log, stop):
     for attempt in range(1, ATTEMPTS + 1):
         ended, prepared = _attempt(job, folder, log, stop)
-        if ended.timed_out or ended.out_of_memory or ended.code not in FROM_OUTSIDE:
+        if ended.timed_out or ended.out_of_memory or not _is_from_outside(ended):
             break
         if attempt < ATTEMPTS:
             _remove_what_is_not_kept(folder, [])
@@ -118,13 +118,20 @@ def _figures(job, folder, log):
     return figures, measured
 
 
+def _is_from_outside(ended):
+    """Killed, or the machine had no more threads or open files."""
+    return ended.code in FROM_OUTSIDE or b"limit" in ended.errors
+
+
 def _status(ended, figures):
     if ended.timed_out:
         return "time limit"
     if ended.out_of_memory or b"memory" in ended.errors:
         return "out of memory"
-    if ended.code < 0 or ended.code in FROM_OUTSIDE:
-        return KILLED if ended.code in FROM_OUTSIDE else "crashed"
+    if _is_from_outside(ended):
+        return KILLED
+    if ended.code < 0:
+        return "crashed"
     if ended.code:
         return STATUS_OF_CODE.get(ended.code, "failed")
     if figures.get("frames") == 0:
