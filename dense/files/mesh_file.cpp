@@ -12,6 +12,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_stream.hpp"
 #include "kinloop/core/files/text_file.hpp"
+#include "kinloop/core/text/escaped.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
 
 namespace kinloop {
@@ -151,7 +152,7 @@ void require_texture_name(const std::filesystem::path& path) {
   const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
   if (!is_text || std::none_of(name.begin(), name.end(), is_control)) return;
   throw InputError(fmt::format(
-      "{}: a name with control characters cannot be that of a texture; give another name", path.string()));
+      "{}: a name with control characters cannot be that of a texture; give another name", escaped(path.string())));
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
