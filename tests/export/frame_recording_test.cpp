@@ -148,12 +148,12 @@ TEST(FrameRecording, AnotherCameraKeepsTheUnitOfDepth) {
 TEST(FrameRecording, ATruncatedFileGivesItsFirstFrames) {
   const test::TempFolder folder;
   std::string bytes = read_file(record(folder.path() / "a.mcap"));
-  const auto whole = open_bag(folder.write("whole.mcap", bytes), {});
   bytes.resize(bytes.size() / 2);
-  // Too small for chunks of their own: the frames are in one, which is cut.
-  EXPECT_THAT(input_error([&] { open_bag(folder.write("cut.mcap", bytes), {})->next(); }),
-              HasSubstr("cut.mcap"));
-  EXPECT_TRUE(whole->next());
+  const auto cut = open_bag(folder.write("cut.mcap", bytes), {});
+  int frames = 0;
+  while (cut->next()) ++frames;
+  EXPECT_GE(frames, kFrames / 2 - 1);
+  EXPECT_LE(frames, kFrames / 2);
 }
 
 TEST(FrameRecording, NoMutatedFileBreaksTheReader) {
