@@ -28,34 +28,30 @@
 namespace kinloop {
 namespace {
 
-/// Returns the camera file above the folder of a sequence that has none itself; empty if that is of a run.
-std::filesystem::path camera_above(const std::filesystem::path& folder) {
+/// Returns the camera files above the folder of a sequence that may be read if it has none itself; none of a
+/// run's.
+std::vector<std::filesystem::path> cameras_above(const std::filesystem::path& folder) {
   const auto above = std::filesystem::absolute(folder / "").lexically_normal().parent_path().parent_path();
   std::error_code absent;
   if (!std::filesystem::is_directory(folder, absent) || preset_of_folder(folder) ||
       std::filesystem::exists(folder / "camera.yaml", absent) ||
       std::filesystem::exists(above / "run.json", absent))
     return {};
-  return above / "camera.yaml";
+  return {above / "camera.yaml", above / "cam_params.json", above / "camera-intrinsics.txt"};
 }
 
-/// What the run reads and writes. A continued map may be saved under its own name: it holds all of the old
-/// one.
+/// What the run reads and writes.
 CommandFiles command_files(const RunArguments& arguments) {
   const auto& [source, camera, pace_hz, remember, settings] = arguments.request;
   const auto map = settings.load_map.empty() ? settings.load_map : map_file_of(settings.load_map);
-  const auto continues = [&](const std::filesystem::path& output) {
-    std::error_code absent;
-    return std::filesystem::equivalent(output, map, absent);
-  };
   CommandFiles files{.inputs = {camera.camera, source.mask, settings.vocabulary, map},
-                     .outputs = {{"--trajectory", arguments.trajectory}},
+                     .outputs = {{"--trajectory", arguments.trajectory}, {"--save-map", arguments.save_map}},
                      .results = {{{"-o", arguments.output}, run_file_names()}}};
   add_sequence_input(files, source.sequence);
-  if (camera.camera.empty() && camera.intrinsics.empty())
-    files.inputs.push_back(camera_above(sequence_folder(source.sequence)));
-  if (continues(arguments.output / kMapFileName)) std::erase(files.results.front().names, kMapFileName);
-  if (!continues(arguments.save_map)) files.outputs.push_back({"--save-map", arguments.save_map});
+  if (camera.camera.empty() && camera.intrinsics.empty()) {
+    for (auto& above : cameras_above(sequence_folder(source.sequence)))
+      files.inputs.push_back(std::move(above));
+  }
   if (is_file_target(arguments.poses_to)) files.outputs.push_back({"--poses-to", arguments.poses_to});
   return files;
 }

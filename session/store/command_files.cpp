@@ -62,6 +62,28 @@ InputFolder read_folder(const fs::path& given) {
   return input;
 }
 
+/// Returns the images outside of the folder that its lists name; none if it cannot be read, which the command
+/// will say.
+std::vector<fs::path> images_outside(const fs::path& folder) {
+  const SequenceLayout* layout = recognise_layout(folder);
+  if (layout == nullptr) return {};
+  std::vector<fs::path> images;
+  const auto add = [&](const fs::path& image) {
+    if (!image.empty() && !lies_in(normal(image), normal(folder / ""))) images.push_back(image);
+  };
+  try {
+    const RecordedSequence sequence = layout->read(folder);
+    add(sequence.video);
+    for (const RecordedFrame& frame : sequence.frames) {
+      for (const fs::path& image : {frame.color.file, frame.depth.file, frame.confidence, frame.mask})
+        add(image);
+    }
+  } catch (const InputError&) {
+    return {};
+  }
+  return images;
+}
+
 /// Returns another name that a file has in the folder; empty if there is none.
 fs::path hard_link_in(const fs::path& folder, const fs::path& file) {
   std::error_code error;
@@ -74,18 +96,35 @@ fs::path hard_link_in(const fs::path& folder, const fs::path& file) {
   return {};
 }
 
+/// Returns whether a run has written its results there, and there is no recording.
+bool is_folder_of_results(const fs::path& folder) {
+  std::error_code absent;
+  return fs::exists(folder / "run.json", absent) && recognise_layout(folder) == nullptr;
+}
+
 /// What a command reads.
 struct Inputs {
   std::vector<fs::path> files;
   std::vector<InputFolder> folders;
 };
 
+/// Returns whether an output is there already.
+bool replaces_a_file(const CommandFiles& files) {
+  return std::any_of(files.outputs.begin(), files.outputs.end(), [](const NamedOutput& output) {
+    std::error_code absent;
+    return fs::is_regular_file(output.path, absent);
+  });
+}
+
 Inputs inputs_of(const CommandFiles& files) {
   Inputs inputs{files.inputs, {}};
+  const bool replaces = replaces_a_file(files);  // if not, the lists of long recordings need not be read
   for (const fs::path& recording : files.recordings) {
     std::error_code absent;
     if (fs::is_directory(recording, absent)) {
       inputs.folders.push_back(read_folder(recording));
+      if (!replaces) continue;
+      for (fs::path& image : images_outside(recording)) inputs.files.push_back(std::move(image));
     } else {
       inputs.files.push_back(recording);
     }
@@ -143,7 +182,8 @@ void check_results(const NamedResults& results, const Inputs& inputs) {
 
 void require_outputs(const CommandFiles& files) {
   const Inputs inputs = inputs_of(files);
-  std::vector<fs::path> folders, written;
+  std::vector<fs::path> folders;
+  std::vector<std::pair<fs::path, std::string>> written;  // each with its option
   for (const NamedResults& results : files.results) {
     if (results.folder.path.empty()) continue;
     check_results(results, inputs);
@@ -157,11 +197,12 @@ void require_outputs(const CommandFiles& files) {
     require_no_input(output, path, inputs);
     const auto holds_it = [&](const fs::path& folder) { return lies_in(path, folder); };
     if (std::none_of(folders.begin(), folders.end(), holds_it)) require_outside(output, path, inputs);
-    const auto is_it = [&](const fs::path& other) { return other == path || is_same_file(other, path); };
-    if (std::any_of(written.begin(), written.end(), is_it))
-      throw UsageError(fmt::format("{} {}: is another output of this command, too; give different names",
-                                   output.option, output.path.string()));
-    written.push_back(path);
+    for (const auto& [other, option] : written) {
+      if (other == path || is_same_file(other, path))
+        throw UsageError(fmt::format("{} {}: is the output of {}, too; give different names", output.option,
+                                     output.path.string(), option));
+    }
+    written.emplace_back(path, output.option);
   }
   for (const NamedOutput& output : files.outputs) require_writable_file(output.path);
 }
@@ -182,7 +223,8 @@ void add_sequence_input(CommandFiles& files, const std::string& sequence) {
   if (sequence == "-") {
     files.inputs.emplace_back("/dev/stdin");
   } else if (source_kind(sequence) != SourceKind::kLive) {
-    files.recordings.push_back(sequence_folder(sequence));
+    const fs::path folder = sequence_folder(sequence);
+    if (!is_folder_of_results(folder)) files.recordings.push_back(folder);
   }
 }
 

@@ -41,7 +41,8 @@ void require_outputs(const CommandFiles& files);
 /// Adds a file, all files of a recording, or those of a run's folder.
 void add_input(CommandFiles& files, const std::filesystem::path& file_or_folder);
 
-/// Adds what kinloop run would read of the sequence: a file, a folder or standard input; nothing of a camera.
+/// Adds what kinloop run would read of the sequence: a file, a folder or standard input; nothing of a camera,
+/// or of a folder that holds no sequence but the results of a run.
 void add_sequence_input(CommandFiles& files, const std::string& sequence);
 
 /// Returns the outputs that the same option names.

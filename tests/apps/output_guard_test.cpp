@@ -40,6 +40,7 @@ std::vector<Case> outputs_and_inputs(const std::string& image) {
       {run + "--save-map OUT", of_run},
       {run + "--poses-to OUT", of_run},
       {"run rec -q -o new --load-map out --trajectory OUT", map},
+      {"run rec -q -o new --load-map out --save-map OUT", map},
       {"run rec -q -o new --load-map out --poses-to OUT", map},
       {"record rec -o OUT", {"rec/rgb.txt"}, ".mcap"},
       {"eval poses.txt rec --plot OUT", {"poses.txt", "rec/groundtruth.txt"}},
@@ -156,6 +157,24 @@ TEST_F(OutputGuard, NoNewFileIsMadeInTheFolderOfTheRecording) {
   EXPECT_FALSE(fs::exists(at("rec/new.txt")) || fs::exists(at("rec/dangling.txt")));
 }
 
+TEST_F(OutputGuard, ImagesOutsideTheFolderOfTheRecordingAreInputs) {
+  fs::create_directory(at("lists"));
+  for (const char* list : {"rgb.txt", "depth.txt", "camera.yaml"}) {
+    std::string text = read_file(at("rec/" + std::string(list)));
+    for (size_t i = 0; (i = text.find(".png", i)) != std::string::npos; ++i) {
+      const size_t name = text.rfind(' ', i) + 1;
+      text.insert(name, "../rec/");
+      i += std::string_view("../rec/").size();
+    }
+    folder_.write("lists/" + std::string(list), text);
+  }
+  const std::string before = read_file(at(image_));
+  const Run refused = run_here("run lists -q -o new --trajectory " + image_);
+  EXPECT_EQ(refused.exit_code, kWrongUse);
+  EXPECT_THAT(refused.err, HasSubstr("which this command reads"));
+  EXPECT_EQ(read_file(at(image_)), before);
+}
+
 TEST_F(OutputGuard, ResultsDoNotReplaceWhatARunReads) {
   fs::create_directory(at("rec/sub"));
   fs::rename(at("rec/camera.yaml"), at("camera.yaml"));  // found above the recording
@@ -188,9 +207,6 @@ TEST_F(OutputGuard, ResultsMayBeInTheFolderOfTheRecording) {
   EXPECT_TRUE(fs::exists(at("rec/out/poses.csv")));
   const Run beside = run("run . -q", "cd '" + at("rec") + "';");
   EXPECT_EQ(beside.exit_code, kDone) << beside.err;
-  // A map is continued in place: it keeps what it has.
-  const Run continued = run_here("run rec -q --load-map out --save-map out/map.kinmap -o more");
-  EXPECT_EQ(continued.exit_code, kDone) << continued.err;
   EXPECT_EQ(run_here("eval out --plot out/errors.svg").exit_code, kDone);
   EXPECT_EQ(run_here("optimize out/graph.g2o -o out/graph.g2o --overwrite").exit_code, kDone);
 }
