@@ -31,7 +31,7 @@ Eigen::Vector2d PinholeCamera::undistort(const Eigen::Vector2d& raw) const {
 
 std::optional<Eigen::Vector2d> undistort_in_view(const PinholeCamera& camera, const Eigen::Vector2d& raw) {
   constexpr double kSamePixel_px = 0.1;
-  Eigen::Vector2d undistorted = camera.undistort(raw);
+  const Eigen::Vector2d undistorted = camera.undistort(raw);
   if (!((camera.distort(undistorted) - raw).norm() < kSamePixel_px)) return std::nullopt;
   return undistorted;
 }

@@ -176,7 +176,7 @@ CameraDescription read_colmap_line(const CameraDocument& document, const TextLin
 std::optional<CameraDescription> read_colmap(const CameraDocument& document) {
   const auto lines = camera_lines(document);
   if (lines.empty() || !is_colmap_line(lines.front())) return std::nullopt;
-  CameraDescription first = read_colmap_line(document, lines.front());
+  const CameraDescription first = read_colmap_line(document, lines.front());
   for (const TextLine& line : lines) {
     if (!is_colmap_line(line) || !agree(read_colmap_line(document, line), first))
       throw_parse_error(document.file(), line.number,
