@@ -124,6 +124,14 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
   return start(armed_main, argc, argv, init, fini, rtld_fini, stack_end);
 }
 
+// Whether no full disk is felt: by a file in memory (memfd_create), and by standard error, to which the message goes.
+static int is_off_disk(int file) {
+  char link[32], target[8];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  if (file == STDERR_FILENO) return 1;
+  return failing == kWrite && readlink(link, target, sizeof target) == sizeof target && memcmp(target, "/memfd:", 7) == 0;
+}
+
 // A function of the C library that sets errno and returns `failed` when its turn has come.
 #define WRAP(result, name, parameters, arguments, call, code, failed) \
   result name parameters {                                            \
@@ -161,7 +169,7 @@ WRAP(FILE*, fopen64, (const char* path, const char* mode), (path, mode), kOpen, 
 WRAP(ssize_t, read, (int file, void* to, size_t size), (file, to, size), kRead, EIO, -1)
 WRAP(ssize_t, pread, (int file, void* to, size_t size, off_t at), (file, to, size, at), kRead, EIO, -1)
 WRAP(ssize_t, pread64, (int file, void* to, size_t size, off64_t at), (file, to, size, at), kRead, EIO, -1)
-WRAP(ssize_t, write, (int file, const void* from, size_t size), (file, from, size), kWrite, ENOSPC, -1)
+WRAP(ssize_t, write, (int file, const void* from, size_t size), (file, from, size), is_off_disk(file) ? kNone : kWrite, ENOSPC, -1)
 WRAP(ssize_t, writev, (int file, const struct iovec* from, int parts), (file, from, parts), kWrite, ENOSPC, -1)
 WRAP(ssize_t, pwrite, (int file, const void* from, size_t size, off_t at), (file, from, size, at), kWrite, ENOSPC, -1)
 WRAP(ssize_t, pwrite64, (int file, const void* from, size_t size, off64_t at), (file, from, size, at), kWrite, ENOSPC, -1)

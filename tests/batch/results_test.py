@@ -4,9 +4,10 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import unittest
 
-from support import BatchTest, tmpfs
+from support import PACKAGE, BatchTest, tmpfs
 
 from kinloop.batch.files import remove
 
@@ -135,6 +136,11 @@ class Rows(BatchTest):
                 again = 3 if status == "killed" else 0  # a failure is a result, unless it came from outside
                 self.assertEqual(len(self.calls()), calls + again)
         self.assertIn("no such thing", (self.results / "runs" / self.row(variant(do="bad"))["key"] / "log.txt").read_text())
+
+    def test_a_standard_error_that_is_full_is_no_traceback(self):
+        with open("/dev/full", "w") as full:
+            ended = subprocess.run([sys.executable, PACKAGE, self.folder / "absent.yaml"], stdout=subprocess.PIPE, stderr=full)
+        self.assertEqual((ended.returncode, ended.stdout), (3, b""))
 
     def test_a_program_that_cannot_be_started_is_a_row(self):
         self.recording("room")

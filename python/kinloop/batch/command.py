@@ -1,5 +1,6 @@
 """The commands of kinloop batch and their options. The program passes its command line on, and so this is its help, too."""
 
+import contextlib
 import os
 import random
 import re
@@ -284,17 +285,23 @@ def main(words=None):
         enter_leaf()
         return function(make_parser().parse(with_value_of("--slurm", words[1:] if name else words))) or 0
     except BatchError as error:
-        print(printable(f"error: {error}"), file=sys.stderr)
+        _say(f"error: {error}")
         return error.exit_code
     except KeyboardInterrupt:  # before or after the runs
-        print("error: interrupted", file=sys.stderr)
+        _say("error: interrupted")
         return Interrupted.exit_code
     except BrokenPipeError:  # the reader of standard output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except OSError as error:  # of the file system, in a place that has no better words for it
-        print(printable(f"error: {error.filename or 'the system'}: {error.strerror or error}; check its permissions"), file=sys.stderr)
+        _say(f"error: {error.filename or 'the system'}: {error.strerror or error}; check its permissions")
         return BatchError.exit_code
     except MemoryError:
-        print("error: out of memory; divide the suite", file=sys.stderr)
+        _say("error: out of memory; divide the suite")
         return BatchError.exit_code
+
+
+def _say(message):
+    """On standard error, unless that is full or closed: the exit code tells the rest."""
+    with contextlib.suppress(OSError):
+        print(printable(message), file=sys.stderr, flush=True)
