@@ -151,8 +151,9 @@ void require_texture_name(const std::filesystem::path& path) {
   const bool is_text = path.extension() == ".obj" || path.extension() == ".usda";
   const auto is_control = [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; };
   if (!is_text || std::none_of(name.begin(), name.end(), is_control)) return;
-  throw InputError(fmt::format(
-      "{}: a name with control characters cannot be that of a texture; give another name", escaped(path.string())));
+  throw InputError(
+      fmt::format("{}: a name with control characters cannot be that of a texture; give another name",
+                  escaped(path.string())));
 }
 
 void write_mesh(const std::filesystem::path& path, const ColoredMesh& mesh, const FileFrame& frame) {
