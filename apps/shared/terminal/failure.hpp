@@ -14,7 +14,7 @@ struct Failure {
   ExitCode exit_code = ExitCode::kInternalError;
   std::string message;                 ///< one line, with the remedy
   std::string hint;                    ///< further lines
-  std::string_view code = "internal";  ///< internal, usage, input, output or memory
+  std::string_view code = "internal";  ///< internal, usage, input, output, limit or memory
 };
 
 /// Everyday faults of the machine (memory, threads, permissions, names) have a message of their own; what is
