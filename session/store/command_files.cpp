@@ -67,9 +67,10 @@ InputFolder read_folder(const fs::path& given) {
 std::vector<fs::path> images_outside(const fs::path& folder) {
   const SequenceLayout* layout = recognise_layout(folder);
   if (layout == nullptr) return {};
+  const fs::path inside = normal(folder / "").parent_path();  // without the slash at its end
   std::vector<fs::path> images;
   const auto add = [&](const fs::path& image) {
-    if (!image.empty() && !lies_in(normal(image), normal(folder / ""))) images.push_back(image);
+    if (!image.empty() && !lies_in(normal(image), inside)) images.push_back(image);
   };
   try {
     const RecordedSequence sequence = layout->read(folder);
