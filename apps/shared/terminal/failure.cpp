@@ -27,25 +27,27 @@ bool is_out_of_memory(const std::exception& error) {
   return of_opencv != nullptr && of_opencv->code == cv::Error::StsNoMem;
 }
 
+bool is_limit_of_threads(const std::error_code& error) {
+  return error == std::errc::resource_unavailable_try_again;  // of the C++ library, for std::thread
+}
+
+bool is_limit_of_files(const std::error_code& error) {
+  return error == std::errc::too_many_files_open || error == std::errc::too_many_files_open_in_system;
+}
+
 std::string describe_system_error(const std::system_error& error) {
-  // Of the C++ library, for std::thread.
-  if (error.code() == std::errc::resource_unavailable_try_again) {
+  if (is_limit_of_threads(error.code())) {
     return "the system refuses to start another thread; use fewer with --threads 1, or raise the limit "
            "(ulimit -u)";
   }
-  if (error.code() == std::errc::too_many_files_open ||
-      error.code() == std::errc::too_many_files_open_in_system)
-    return "too many files are open; raise the limit (ulimit -n)";
+  if (is_limit_of_files(error.code())) return "too many files are open; raise the limit (ulimit -n)";
   return fmt::format("the system reports: {}", error.what());
 }
 
 /// Whether something could not be written or read, or the machine is busy.
 std::string_view code_of(const std::error_code& error) {
   if (error == std::errc::no_space_on_device || error == std::errc::read_only_file_system) return "output";
-  const bool is_limit = error == std::errc::resource_unavailable_try_again ||
-                        error == std::errc::too_many_files_open ||
-                        error == std::errc::too_many_files_open_in_system;
-  return is_limit ? "limit" : "input";
+  return is_limit_of_threads(error) || is_limit_of_files(error) ? "limit" : "input";
 }
 
 /// The message for a path that the standard library could not use.
