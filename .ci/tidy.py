@@ -51,8 +51,8 @@ def digest_of(path):
 
 
 @functools.lru_cache(maxsize=None)
-def version():
-    return subprocess.run([CLANG_TIDY, "--version"], capture_output=True, text=True, check=True).stdout
+def version(tool):
+    return subprocess.run([tool, "--version"], capture_output=True, text=True, check=True).stdout
 
 
 def dependencies(entry):
@@ -65,9 +65,9 @@ def dependencies(entry):
     return listed.stdout.replace("\\\n", " ").split()[1:]
 
 
-def mark_of(entry, files, checks):
+def mark_of(tool, entry, files, checks):
     """The file that says that a translation unit has passed, named after all that clang-tidy looks at."""
-    seen = [version(), digest_of(ROOT / ".ci/clang-tidy"), digest_of(__file__), checks, entry["command"]]
+    seen = [version(tool), digest_of(ROOT / ".ci/clang-tidy"), digest_of(__file__), checks, entry["command"]]
     seen += [f"{file} {digest_of(pathlib.Path(entry['directory']) / file)}" for file in files]
     return PASSED / hashlib.sha256("\n".join(seen).encode()).hexdigest()
 
@@ -75,11 +75,11 @@ def mark_of(entry, files, checks):
 def tidy(entry, checks):
     """Whether a translation unit has passed, what was found, and whether that was known."""
     files = dependencies(entry)
-    mark = mark_of(entry, files, checks)
+    tool = "clang-tidy" if any(file.startswith(FOR_DEBIAN) for file in files) else CLANG_TIDY
+    mark = mark_of(tool, entry, files, checks)
     if mark.exists():
         mark.touch()
         return True, "", True
-    tool = "clang-tidy" if any(file.startswith(FOR_DEBIAN) for file in files) else CLANG_TIDY
     passed, findings = findings_of(tool, entry["file"], checks)
     if passed:
         mark.touch()

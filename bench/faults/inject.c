@@ -126,10 +126,11 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
 
 // Whether no full disk is felt: by a file in memory (memfd_create), and by standard error, to which the message goes.
 static int is_off_disk(int file) {
+  if (failing != kWrite) return 0;
+  if (file == STDERR_FILENO) return 1;
   char link[32], target[8];
   snprintf(link, sizeof link, "/proc/self/fd/%d", file);
-  if (file == STDERR_FILENO) return 1;
-  return failing == kWrite && readlink(link, target, sizeof target) == sizeof target && memcmp(target, "/memfd:", 7) == 0;
+  return readlink(link, target, sizeof target) == sizeof target && memcmp(target, "/memfd:", 7) == 0;
 }
 
 // A function of the C library that sets errno and returns `failed` when its turn has come.
