@@ -12,6 +12,8 @@ from disturb_sequence import disturb, parse_step
 from loop_error import count_false_loops
 from runs import is_unseen
 
+EVERY, EVERY_OPTION = "every", "--every"  # every:6 is every sixth frame: another speed of the camera
+
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 
 
@@ -29,15 +31,17 @@ class Bench:
         began = time.monotonic()
         with tempfile.TemporaryDirectory(prefix="robustness_") as scratch:
             copy, out = pathlib.Path(scratch) / "copy", pathlib.Path(scratch) / "out"
-            interval_s = None
+            interval_s, options = None, self.options
             if name == "none":
                 copy = sequence
+            elif name == EVERY:
+                copy, options = sequence, [*options, EVERY_OPTION, kind.partition(":")[2]]
             elif name in DEGRADATIONS:
                 degrade(sequence, copy, name, seed)
             else:
                 done = disturb(sequence, copy, [parse_step(kind)], seed)["disturbances"][0]
                 row["parameters"], interval_s = done["parameters"], (done["begin_s"], done["end_s"])
-            call = [self.program, "run", copy, "-o", out, "-q", *self.options]
+            call = [self.program, "run", copy, "-o", out, "-q", *options]
             ended = subprocess.run(call, stderr=subprocess.PIPE, text=True)
             row["exit_code"] = ended.returncode
             if (out / "frames.txt").exists() and (out / "trajectory.txt").exists():

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 SILENT_M, SILENT_SIGMAS = 0.05, 4  # a silent error is more than both
+COVERAGES = (0.5, 0.8, 0.95, 1.0)  # shares of all frames
 AVAILABLE_M = 0.05  # the most that the pose of an available frame is off
+WORDS = {"status", "cause"}  # of the columns of frames.txt; the others are numbers
 NOT_TRACKED = {"lost", "doubtful", "dropped", "skipped"}  # of the statuses in frames.txt
 MOST_BETWEEN_S = 0.05  # truth is interpolated only next to a pose of it
 ARM_M = 0.1  # how much an orientation counts in an alignment: as points so far from the camera
@@ -80,30 +82,40 @@ def least_squares(estimate, truth):
     return fit(estimate.centers, truth.centers, np.ones(len(estimate)))
 
 
-def support(motion, estimate, truth, scale_m):
-    """Frames that agree, those with an error counted less (Geman-McClure)."""
-    return (1 / (1 + (errors_m(motion, estimate, truth) / scale_m) ** 2)).sum()
+def count_of(sigmas_m, scale_m):
+    """How much a frame with this sigma counts, relative to an exact one. It is squared because the errors of uncertain
+    frames are common to many: they do not average out."""
+    return (scale_m**2 / (scale_m**2 + sigmas_m**2)) ** 2
 
 
-def refine(motion, estimate, truth):
+def support(motion, estimate, truth, sigmas_m, scale_m):
+    """Frames that agree, those with an error or with a large sigma counted less (Geman-McClure)."""
+    agreement = 1 / (1 + errors_m(motion, estimate, truth) ** 2 / (scale_m**2 + sigmas_m**2))
+    return (count_of(sigmas_m, scale_m) * agreement).sum()
+
+
+def refine(motion, estimate, truth, sigmas_m):
     """Iteratively reweighted least squares with the weights of Geman-McClure."""
     points, targets = estimate.points().reshape(-1, 3), truth.points().reshape(-1, 3)
     for scale_m in SCALES_M:
         for _ in range(10):
-            weights = 1 / (1 + (errors_m(motion, estimate, truth) / scale_m) ** 2) ** 2
-            motion = fit(points, targets, np.repeat(weights, 4))
+            agreement = 1 / (1 + errors_m(motion, estimate, truth) ** 2 / (scale_m**2 + sigmas_m**2))
+            motion = fit(points, targets, np.repeat(count_of(sigmas_m, scale_m) * agreement**2, 4))
     return motion
 
 
-def robust(estimate, truth):
-    """The alignment on which most frames agree. Its hypotheses are those of single frames, whose poses are known."""
+def robust(estimate, truth, sigmas_m=0.0):
+    """The alignment on which most frames agree, by their sigmas: those are relative to the first keyframe, so a part of
+    the trajectory that claims to be uncertain must not decide where the world is. Hypotheses are those of single
+    frames, whose poses are known."""
+    sigmas_m = np.broadcast_to(sigmas_m, len(estimate))
     motions = [least_squares(estimate, truth)]
     for i in np.unique(np.linspace(0, len(estimate) - 1, HYPOTHESES).round().astype(int)):
         rotation = truth.rotations[i] @ estimate.rotations[i].T
         motions.append((rotation, truth.centers[i] - rotation @ estimate.centers[i]))
-    motions.sort(key=lambda motion: -support(motion, estimate, truth, SCALES_M[1]))
-    refined = [refine(motion, estimate, truth) for motion in motions[:REFINED]]
-    return max(refined, key=lambda motion: support(motion, estimate, truth, SCALES_M[-1]))
+    motions.sort(key=lambda motion: -support(motion, estimate, truth, sigmas_m, SCALES_M[1]))
+    refined = [refine(motion, estimate, truth, sigmas_m) for motion in motions[:REFINED]]
+    return max(refined, key=lambda motion: support(motion, estimate, truth, sigmas_m, SCALES_M[-1]))
 
 
 def rmse(errors):
@@ -115,15 +127,16 @@ def read_frames(file):
     lines = file.read_text().splitlines()
     names = next(line for line in lines if line.startswith("#"))[1:].split()
     rows = [dict(zip(names, line.split())) for line in lines if line.strip() and line[0] != "#"]
-    return [{key: value if key == "status" else float(value) for key, value in row.items()} for row in rows]
+    return [{key: value if key in WORDS else float(value) for key, value in row.items()} for row in rows]
 
 
-def component_errors_m(estimate, truth, components):
+def component_errors_m(estimate, truth, components, sigmas_m=0.0):
     """The error of each frame, aligned robustly; each component of the map by itself."""
+    sigmas_m = np.broadcast_to(sigmas_m, len(estimate))
     errors = np.zeros(len(estimate))
     for component in np.unique(components):
         own = components == component
-        errors[own] = errors_m(robust(estimate.of(own), truth.of(own)), estimate.of(own), truth.of(own))
+        errors[own] = errors_m(robust(estimate.of(own), truth.of(own), sigmas_m[own]), estimate.of(own), truth.of(own))
     return errors
 
 
@@ -144,7 +157,7 @@ def evaluate(run, truth_file, interval_s=None):
     if len(estimate) < 3:
         return {**result, "silent": 0, "silent_share": 0.0, "available": 0}
     sigmas_m = np.array([row.get("sigma_m", 0.0) for row in posed])
-    errors = component_errors_m(estimate, truth, np.array([row.get("component", 0) for row in posed]))
+    errors = component_errors_m(estimate, truth, np.array([row.get("component", 0) for row in posed]), sigmas_m)
     silent = silent_errors(errors, sigmas_m, tracked)
     doubtful = np.array([row.get("status", "doubtful") == "doubtful" for row in posed], bool)
     outside = np.ones(len(estimate), bool)
@@ -154,7 +167,16 @@ def evaluate(run, truth_file, interval_s=None):
             "ate_outside_m": ate_m(estimate.of(outside), truth.of(outside)), "median_m": float(np.median(errors)),
             "worst_m": float(errors[tracked].max(initial=0)), "silent": int(silent.sum()),
             "silent_share": float(silent.sum() / max(1, result["tracked"])),
-            "available": int((~doubtful & (errors <= AVAILABLE_M)).sum())}
+            "available": int((~doubtful & (errors <= AVAILABLE_M)).sum()),
+            "coverage_m": errors_at_coverage_m(errors, sigmas_m, doubtful, len(rows))}
+
+
+def errors_at_coverage_m(errors, sigmas_m, doubtful, frames):
+    """The rms error of the most certain frames that make up a share of all: risk and coverage. None where fewer have a
+    pose that is not doubtful."""
+    by_risk = errors[~doubtful][np.argsort(sigmas_m[~doubtful], kind="stable")]
+    counts = {share: round(share * frames) for share in COVERAGES}
+    return {f"{share:.0%}": rmse(by_risk[:count]) if 0 < count <= len(by_risk) else None for share, count in counts.items()}
 
 
 def is_within(stamp_s, interval_s):

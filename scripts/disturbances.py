@@ -193,6 +193,18 @@ def blur(p, shape, rng):
     return apply
 
 
+def dark(p, shape, rng):
+    """colour dark, noisy and blurred, as under a desk, depth live"""
+    blurred = blur(p, shape, rng)
+
+    def apply(frame, progress, rng):
+        blurred(frame, progress, rng)
+        levels = p["light"] * frame.color + COLOR_NOISE * noise(shape, rng)[..., None]
+        frame.color[:] = np.clip(levels, 0, 255).astype(np.uint8)
+
+    return apply
+
+
 def blank(p, shape, rng):
     """nothing but a plain wall or ceiling in view, its depth with holes, perhaps with a lamp"""
     y, x = np.mgrid[: shape[0], : shape[1]]
@@ -256,6 +268,7 @@ KINDS = {
     "black_depth": Kind(black_depth, {}, seconds=(1, 5)),
     "black": Kind(black, {}, seconds=(1, 5)),
     "blur": Kind(blur, {"px": whole(15, 61)}, seconds=(1, 4)),
+    "dark": Kind(dark, {"px": whole(5, 25), "light": uniform(0.02, 0.1)}, seconds=(1, 4)),
     "blank": Kind(blank, {"depth_m": uniform(1, 3), "lamp": one_of(False, True)}, seconds=(2, 5)),
     "other_room": Kind(other_room, {}, seconds=(0.3, 5)),
     "gap": Kind(gap, {}, seconds=(1, 5)),

@@ -82,6 +82,11 @@ class Alignment(unittest.TestCase):
         rotation, _ = te.robust(moved(line, *self.motion), line)
         np.testing.assert_allclose(rotation, self.motion[0], atol=1e-6)
 
+    def test_an_uncertain_majority_does_not_decide_where_the_world_is(self):
+        self.estimate.centers[150:] += (0.2, 0, 0.1)
+        sigmas_m = np.where(np.arange(400) < 150, 0.01, 0.15)
+        self.expect_recovered(te.robust(self.estimate, self.truth, sigmas_m), 0.05)  # not 0.22
+
     def test_components_are_aligned_by_themselves(self):
         self.estimate.centers[200:] += (3, 0, 0)
         components = np.arange(400) // 200
@@ -107,6 +112,14 @@ class SilentErrors(unittest.TestCase):
             (folder / "frames.txt").write_text(header + "\n" + rows)
             interval_s = (truth.stamps_s[40], truth.stamps_s[59])
             return te.evaluate(folder, folder / "groundtruth.txt", interval_s)
+
+    def test_error_at_coverage_takes_the_most_certain_frames_first(self):
+        errors, sigmas_m = np.array([0.4, 0.1, 0.2, 0.3]), np.array([0.04, 0.01, 0.02, 0.03])
+        doubtful = np.array([True, False, False, False])
+        found = te.errors_at_coverage_m(errors, sigmas_m, doubtful, 4)
+        self.assertAlmostEqual(found["50%"], np.sqrt((0.1**2 + 0.2**2) / 2))
+        self.assertAlmostEqual(found["80%"], np.sqrt((0.1**2 + 0.2**2 + 0.3**2) / 3))
+        self.assertIsNone(found["100%"])
 
     def test_without_sigma(self):
         result = self.evaluate("# stamp_s status features tracked ms", lambda i, s: f"{s} tracked 900 300 1.0")
