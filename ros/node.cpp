@@ -64,7 +64,7 @@ void run(const ros::NodeHandle& node) {
     const TrackedFrame mapped = session.update_map();
     ++frames;
     if (mapped.is_lost()) continue;
-    ++(mapped.doubtful ? doubtful : tracked);
+    ++(mapped.is_doubtful() ? doubtful : tracked);
     if (!mapped.keyframe.valid()) continue;
     output.publish_path(session.trajectory());
     output.publish_cloud(mapped);

@@ -113,12 +113,12 @@ NodeOutput::NodeOutput(ros::NodeHandle node, const PinholeCamera& camera, TfFram
 
 void NodeOutput::publish_pose(const TrackedFrame& result) {
   Bool doubtful;
-  doubtful.data = result.doubtful ? 1U : 0U;
+  doubtful.data = result.is_doubtful() ? 1U : 0U;
   doubtful_.publish(doubtful);
   const PoseStamped pose = pose_of(result.stamp_ns, result.T_world_camera, frames_.world);
   pose_.publish(pose);
   // A doubtful pose may be wrong by more than its covariance, and filters take zeros for certainty.
-  if (const auto covariance = pose_covariance(result); covariance && !result.doubtful) {
+  if (const auto covariance = pose_covariance(result); covariance && !result.is_doubtful()) {
     const Matrix6d in_world_axes = covariance_in_world_axes(*covariance, result.T_world_camera);
     pose_with_covariance_.publish(with_covariance(pose, in_world_axes));
   }

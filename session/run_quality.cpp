@@ -18,7 +18,7 @@ constexpr double kOnlyFrame_s = 1.0 / 30;
 FrameTrust trust_of(const LoggedFrame& entry, uint32_t component, const Map& map) {
   if (entry.is_lost()) return FrameTrust::kLost;
   if (!is_tracked_in(component, entry, map)) return FrameTrust::kElsewhere;
-  return entry.doubtful ? FrameTrust::kDoubtful : FrameTrust::kTrusted;
+  return entry.is_doubtful() ? FrameTrust::kDoubtful : FrameTrust::kTrusted;
 }
 
 /// The time that each frame counts for, s.

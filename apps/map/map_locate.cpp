@@ -69,7 +69,8 @@ Library open_library(const LocateArguments& arguments, const RgbdCamera& camera)
 
 /// The line of a frame: its stamp, position [m], orientation (x, y, z, w) and map.
 std::string line_of(const LoggedFrame& frame, const Library& library) {
-  if (frame.is_lost() || frame.doubtful) return fmt::format("{} unknown\n", format_stamp(frame.stamp_ns));
+  if (frame.is_lost() || frame.is_doubtful())
+    return fmt::format("{} unknown\n", format_stamp(frame.stamp_ns));
   const SE3 T_map_camera = frame.world(library.slam->map());
   const Eigen::Vector3d& p = T_map_camera.translation;
   const Eigen::Quaterniond& q = T_map_camera.rotation;
@@ -91,7 +92,7 @@ void locate(const LocateArguments& arguments) {
   size_t located = 0;
   for (const LoggedFrame& frame : slam.session_log()) {
     fmt::print("{}", line_of(frame, library));
-    if (!frame.is_lost() && !frame.doubtful) ++located;
+    if (!frame.is_lost() && !frame.is_doubtful()) ++located;
   }
   const std::vector<double>& frame_ms = slam.timings().frame_ms;
   if (arguments.quiet || frame_ms.empty()) return;

@@ -9,7 +9,8 @@ namespace kinloop {
 
 const char* frame_status(const FrameRecord& tracked) {
   if (tracked.is_lost()) return "lost";
-  if (tracked.doubtful) return "doubtful";
+  if (tracked.is_doubtful()) return "doubtful";
+  if (tracked.method == TrackingMethod::kPredicted) return "predicted";
   return tracked.method == TrackingMethod::kDense ? "dense" : "tracked";
 }
 
@@ -19,7 +20,7 @@ void FrameRecorder::record_pose(const TrackedFrame& tracked) {
     latencies_ms_.push_back(Milliseconds(std::chrono::steady_clock::now() - *read_at).count());
   ages_ms_.push_back(Milliseconds(std::chrono::system_clock::now().time_since_epoch()).count() -
                      1e-6 * static_cast<double>(tracked.stamp_ns));
-  if (tracked.is_lost() || tracked.doubtful) return;
+  if (tracked.is_lost() || tracked.is_doubtful()) return;
   live_poses_.push_back(
       {feature_counts_.size(), tracked.component, {tracked.stamp_ns, tracked.T_world_camera}});
   if (with_covariances_) covariances_.push_back(tracked.world_covariance);
@@ -37,8 +38,10 @@ FrameTable FrameRecorder::table(std::span<const LoggedFrame> log, const Timings&
     const LoggedFrame& frame = log[i];
     const double ms = i < times.frame_ms.size() ? times.frame_ms[i] : 0;
     const double sigma_m = frame.is_lost() ? 0 : position_sigma_m(frame.world_covariance);
-    rows.push_back(
-        {frame.stamp_ns, frame_status(frame), feature_counts_[i], frame.evidence.inliers, ms, sigma_m});
+    const TrackingEvidence& evidence = frame.evidence;
+    rows.push_back({frame.stamp_ns, frame_status(frame), feature_counts_[i], evidence.inliers, ms, sigma_m,
+                    std::string(name_of(frame.trust.cause)), evidence.visible_landmarks,
+                    evidence.surfaces.contradicted_share(), evidence.moved_share});
   }
   return rows;
 }

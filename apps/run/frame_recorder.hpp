@@ -12,7 +12,7 @@
 
 namespace kinloop {
 
-/// Returns the status of a frame as frames.txt has it: tracked, dense, doubtful or lost.
+/// Returns the status of a frame as frames.txt has it: tracked, dense, predicted, doubtful or lost.
 const char* frame_status(const FrameRecord& tracked);
 
 /// Makes a row per frame for frames.txt. All but its features are from the log at the end of the run, so that

@@ -12,7 +12,7 @@ namespace {
 
 const char* describe_tracking(const TrackedFrame& tracked) {
   if (tracked.is_lost()) return "lost";
-  if (tracked.doubtful) return "doubtful";
+  if (tracked.is_doubtful()) return "doubtful";
   if (tracked.outcome == TrackingOutcome::kRelocalized) return "relocalised";
   return tracked.method == TrackingMethod::kDense ? "tracking by depth and intensity only" : "tracking";
 }

@@ -22,7 +22,7 @@ std::optional<KeyframeId> withdraw_keyframes(size_t begin, uint32_t component, M
   for (size_t i = begin; i < log.size(); ++i) {
     LoggedFrame& entry = log[i];
     if (!is_tracked_in(component, entry, map)) continue;
-    entry.doubtful = true;
+    doubt(entry, DoubtCause::kWithdrawn);
     entry.keyframe = {};
     KeyframePose& pose = entry;
     if (!is_before(map.keyframe(pose.reference))) pose = pose.in(last, map);

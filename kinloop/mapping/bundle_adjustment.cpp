@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "kinloop/core/disjoint_sets.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
 
 namespace kinloop {
@@ -40,16 +41,18 @@ std::vector<KeyframeId> observers_outside(const Map& map, const std::vector<Keyf
   return observers;
 }
 
-/// If no pose of a component is constant, fixes its oldest one, which removes the gauge freedom.
+/// If no pose of a part that landmarks tie together is constant, fixes its oldest one, which removes the
+/// gauge freedom.
 void fix_gauge(BundleAdjustmentProblem& problem, const Map& map) {
   auto& fixed = problem.bundle.fixed;
-  std::map<uint32_t, size_t> anchor_of;  // component -> index of its constant or oldest pose
+  const std::vector<KeyframeId> oldest = oldest_tied(map, problem.keyframes);
+  std::map<KeyframeId, size_t> anchor_of;  // by the oldest keyframe of a part
   for (size_t i = 0; i < problem.keyframes.size(); ++i) {
-    const auto [anchor, first] = anchor_of.try_emplace(map.keyframe(problem.keyframes[i]).component, i);
+    const auto [anchor, first] = anchor_of.try_emplace(oldest[i], i);
     if (first || fixed[anchor->second] != 0) continue;
-    if (fixed[i] != 0 || problem.keyframes[i] < problem.keyframes[anchor->second]) anchor->second = i;
+    if (fixed[i] != 0 || problem.keyframes[i] == oldest[i]) anchor->second = i;
   }
-  for (const auto& [component, anchor] : anchor_of) fixed[anchor] = 1;
+  for (const auto& [part, anchor] : anchor_of) fixed[anchor] = 1;
 }
 
 /// Copies poses and points of the given keyframes and landmarks, and lists their observations.
@@ -96,6 +99,27 @@ BundleAdjustmentProblem with_measurements(BundleAdjustmentProblem problem, const
 }
 
 }  // namespace
+
+std::vector<KeyframeId> oldest_tied(const Map& map, std::span<const KeyframeId> keyframes) {
+  constexpr int kMinTying = 6;  // landmarks; three hold a pose
+  std::vector<uint32_t> members;
+  for (const KeyframeId id : keyframes) members.push_back(id.value);
+  std::sort(members.begin(), members.end());
+  const auto index_of = [&](KeyframeId id) {
+    return static_cast<uint32_t>(std::lower_bound(members.begin(), members.end(), id.value) -
+                                 members.begin());
+  };
+  DisjointSets parts(members.size());
+  for (uint32_t i = 0; i < members.size(); ++i) {
+    for (const auto& [other, shared] : map.covisible_keyframes(KeyframeId{members[i]}, kMinTying)) {
+      const uint32_t at = index_of(other);
+      if (at < members.size() && members[at] == other.value) parts.join(i, at);
+    }
+  }
+  std::vector<KeyframeId> oldest;
+  for (const KeyframeId id : keyframes) oldest.push_back(KeyframeId{members[parts.find(index_of(id))]});
+  return oldest;
+}
 
 BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const Sensor& sensor,
                                               const MappingOptions& options) {

@@ -2,6 +2,7 @@
 // Bundle adjustment as problem -> MapUpdate: the problem is copied out of the map, so that it can be solved
 // on another thread while the map changes.
 
+#include <span>
 #include <vector>
 
 #include "kinloop/map/map.hpp"
@@ -20,6 +21,10 @@ struct BundleAdjustmentProblem {
   uint32_t epoch = 0;
 };
 
+/// Returns for each of these keyframes the oldest one among them that landmarks tie it to, directly or
+/// through others of them: itself where only odometry tells how it lies to the older ones.
+std::vector<KeyframeId> oldest_tied(const Map& map, std::span<const KeyframeId> keyframes);
+
 /// Copies the newest keyframe, those that share the most landmarks with it, and all landmarks they observe;
 /// other observers of these landmarks are constant.
 BundleAdjustmentProblem make_local_ba_problem(const Map& map, KeyframeId newest, const Sensor& sensor,
@@ -31,7 +36,8 @@ enum class MeasurementKind {
   kRaw,                ///< as measured; velocities and the prior of the sensor must be filled in
 };
 
-/// Copies every keyframe and every landmark observed twice; the first keyframe of each component is constant.
+/// Copies every keyframe and every landmark observed twice; the first keyframe of each part that landmarks
+/// tie together is constant.
 BundleAdjustmentProblem make_global_ba_problem(
     const Map& map, const Sensor& sensor, MeasurementKind measured = MeasurementKind::kMotionCompensated);
 

@@ -13,6 +13,7 @@ TrackerOptions tracker_options(const SlamOptions& o) {
           o.local_map,
           o.min_initial_keypoints,
           o.lost_frames_before_new_component,
+          o.max_predicted_sigma_m,
           o.localize_only,
           static_cast<uint64_t>(o.seed)};
 }

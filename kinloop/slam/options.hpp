@@ -15,6 +15,7 @@ struct SlamOptions {
   int seed = 1;
   int min_initial_keypoints = 60;
   int lost_frames_before_new_component = 5;
+  double max_predicted_sigma_m = 0.1;
   bool global_ba_enabled = true;
   int global_ba_max_keyframes = 400;
   bool localize_only = false;
@@ -33,11 +34,16 @@ struct SlamOptions {
   static void fields(Self& self, Visit&& visit) {
     visit("seed", self.seed, "random seed", Range{0, 1e9});
     visit("min_initial_keypoints", self.min_initial_keypoints,
-          "minimum keypoints with depth to initialise the map", Range{10, 10000});
+          "minimum keypoints with depth to initialise the map", Range{10, 10000}, Expert{});
     visit("lost_frames_before_new_component", self.lost_frames_before_new_component,
           "consecutive lost frames before a new map component is started, to be merged when a "
           "place is recognised; 0 = never",
           Range{0, 100000});
+    visit(
+        "max_predicted_sigma_m", self.max_predicted_sigma_m,
+        "largest standard deviation of the position of a frame that is predicted from the motion before and "
+        "after, or carried on by dense odometry, m; beyond it the pose is doubtful",
+        Range{0, 10});
     visit("global_ba_enabled", self.global_ba_enabled,
           "run global bundle adjustment after loop closures and at the end");
     visit("global_ba_max_keyframes", self.global_ba_max_keyframes,

@@ -45,11 +45,6 @@ SlamOptions validated(const SlamOptions& options) {
   return options;
 }
 
-std::vector<Matrix6d> sum(std::vector<Matrix6d> a, const std::vector<Matrix6d>& b) {
-  std::transform(a.begin(), a.end(), b.begin(), a.begin(), std::plus<>());
-  return a;
-}
-
 }  // namespace
 
 Slam::Slam(const RgbdCamera& camera, const SlamOptions& options)
@@ -100,7 +95,7 @@ TrackedFrame Slam::update_map() {
   const FrameTimer timer(timings_);
   TrackedFrame tracked = *std::exchange(unmapped_, std::nullopt);
   if (!tracked.keyframe.valid()) tracked = with_keyframe(std::move(tracked));
-  if (tracked.is_repeat() && tracked.doubtful) doubt_repeats();
+  if (tracked.is_repeat() && tracked.is_doubtful()) doubt_repeats();
   add_to_log(tracked);
   tracker_.update(tracked, map_);
   withdraw_contradicted();
@@ -116,7 +111,7 @@ TrackedFrame Slam::with_keyframe(TrackedFrame tracked) {
   if (!selected) return tracked;
   const bool rematched = selected->frame != tracked.frame;  // its keypoints show the place, patches do not
   if (rematched) check_location(*selected);
-  if (!selected->is_lost() && !selected->doubtful) insert_keyframe(*selected);
+  if (may_extend_map(*selected)) insert_keyframe(*selected);
   state_place(*selected);
   return *std::move(selected);
 }
@@ -140,7 +135,7 @@ Frame Slam::with_steady_depth(const Frame& frame) {
   depth_.observe(frame, follows ? std::optional(previous->velocity) : std::nullopt);
   // That depth has stopped is seen late: the frames since then have used the depth of the one before.
   if (had_depth && depth_.factor() == 0) {
-    doubt_frames_since(depth_.new_depth_ns() + 1, false);
+    doubt_frames_since(depth_.new_depth_ns() + 1, DoubtCause::kNoDepth);
     tracker_.forget_motion();
   }
   return depth_.factor() == 1 ? frame : front_end_.scale_depth(frame, depth_.factor());
@@ -150,22 +145,23 @@ Frame Slam::with_steady_depth(const Frame& frame) {
 void Slam::add_input_evidence(TrackedFrame& tracked) const {
   constexpr double kMaxWithoutDepth_s = 0.5;
   tracked.evidence.input = {fixed_region_.share(), depth_.factor()};
-  if (!tracked.is_lost() && depth_.age_s() > kMaxWithoutDepth_s) tracked.doubtful = true;
+  if (!tracked.is_lost() && depth_.age_s() > kMaxWithoutDepth_s) doubt(tracked, DoubtCause::kNoDepth);
 }
 
 /// That the image is frozen is seen late: the repeated frames before are in doubt as well. Those before one
 /// in doubt are so already.
 void Slam::doubt_repeats() {
-  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].is_repeat() && !log_[i].doubtful;)
-    log_[i].doubtful = true;
+  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].is_repeat() && !log_[i].is_doubtful();)
+    doubt(log_[i], DoubtCause::kFrozen);
 }
 
 /// The frame that starts a map is compensated for its motion when the next one tells it; true if that changes
 /// the map.
 bool Slam::compensate_first(const TrackedFrame& second) {
   const TrackedFrame* first = tracker_.previous();
-  const bool known = second.is_located() && !second.is_repeat() && !second.doubtful && first != nullptr &&
-                     first->outcome == TrackingOutcome::kNewMap && !second.velocity.vector().isZero(0);
+  const bool known = second.is_located() && !second.is_repeat() && !second.is_doubtful() &&
+                     first != nullptr && first->outcome == TrackingOutcome::kNewMap &&
+                     !second.velocity.vector().isZero(0);
   if (!known || !needs_deskewing(*map_.keyframe(first->keyframe).features, sensor())) return false;
   mapper_.compensate_first(map_, first->keyframe, second.velocity, sensor());
   tracker_.set_first_velocity(second.velocity, second.stamp_ns - first->stamp_ns, map_);
@@ -289,7 +285,7 @@ Trajectory Slam::finish(const Progress& progress) {
     auto found = relocalizer_(frame);
     // No later frame confirms it.
     if (found && (!is_confident(*found, *frame.features) || lacks_scale(*found, false)))
-      found->doubtful = true;
+      doubt(*found, DoubtCause::kPlace);
     return found;
   };
   const FrameSearch search{anywhere, [this](const Frame& frame, const FrameRecord& neighbor) {
@@ -306,11 +302,12 @@ Trajectory Slam::finish(const Progress& progress) {
         final_bundle_adjustment(map_, log_, sensor_estimate_, back_end_options(options_), progress);
     sensor_estimate_ = std::move(adjusted.sensor);
     keyframe_covariance_ =
-        sum(std::move(adjusted.keyframe_covariance), drift_covariances(map_, online_covariance_.steps()));
+        with_drift(std::move(adjusted.keyframe_covariance), map_, online_covariance_.steps());
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }
-  log_ = bridge_lost_frames(std::move(log_), earlier_.frame_count, map_);
+  log_ =
+      predict_unmeasured_frames(std::move(log_), earlier_.frame_count, map_, options_.max_predicted_sigma_m);
   log_ = revise_doubt(std::move(log_), earlier_.frame_count, map_);
   state_covariances();
   for (Listener* listener : listeners_) listener->on_map(map_);

@@ -172,9 +172,10 @@ class Slam {
   void check_location(TrackedFrame& tracked);
   void examine(const TrackedFrame& tracked, RelocalizationTrial& place) const;
   void take_back_location(TrackedFrame& tracked);
+  void trust_place_since(int64_t since_ns, uint32_t component);
   void doubt_repeats();
   [[nodiscard]] bool has_doubts_since(int64_t since_ns) const;
-  void doubt_frames_since(int64_t since_ns, bool withdrawn);
+  void doubt_frames_since(int64_t since_ns, DoubtCause cause);
   void apply_due_results(FrameId now);
   void apply_results(const AppliedResults& results);
   void rebase_after_split(const std::vector<SE3>& T_world_keyframe_before);

@@ -64,7 +64,8 @@ void Slam::withdraw_fixed_region() {
     }
     map_changed_ = true;
   }
-  if (share > kInfluencedShare || has_doubts_since(since_ns)) doubt_frames_since(since_ns, captured);
+  if (share > kInfluencedShare || has_doubts_since(since_ns))
+    doubt_frames_since(since_ns, captured ? DoubtCause::kWithdrawn : DoubtCause::kFixedRegion);
   if (captured) {
     tracker_.reset();
   } else {
@@ -75,18 +76,18 @@ void Slam::withdraw_fixed_region() {
 /// Returns whether a frame of this run since then is doubtful or lost.
 bool Slam::has_doubts_since(int64_t since_ns) const {
   for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].stamp_ns >= since_ns;) {
-    if (log_[i].doubtful || log_[i].is_lost()) return true;
+    if (log_[i].is_doubtful() || log_[i].is_lost()) return true;
   }
   return false;
 }
 
 /// Marks the frames of this run since then. Those whose keyframe was withdrawn have no pose any more.
-void Slam::doubt_frames_since(int64_t since_ns, bool withdrawn) {
+void Slam::doubt_frames_since(int64_t since_ns, DoubtCause cause) {
   for (size_t i = earlier_.frame_count; i < log_.size(); ++i) {
     LoggedFrame& entry = log_[i];
     if (entry.stamp_ns < since_ns || entry.is_lost()) continue;
-    entry.doubtful = true;
-    if (withdrawn && map_.keyframe(entry.reference).stamp_ns >= since_ns) lose(entry);
+    doubt(entry, cause);
+    if (cause == DoubtCause::kWithdrawn && map_.keyframe(entry.reference).stamp_ns >= since_ns) lose(entry);
   }
 }
 

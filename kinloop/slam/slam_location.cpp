@@ -65,7 +65,8 @@ std::optional<TrackedFrame> Slam::relocalize(const Frame& frame) const {
   if (!found) return std::nullopt;
   const uint32_t component = map_.keyframe(found->reference).component;
   if (is_cooling_down(place_.cooldown, component, frame.stamp_ns, kRefused_ns)) return std::nullopt;
-  found->doubtful = is_cooling_down(place_.cooldown, component, frame.stamp_ns, kSuspected_ns);
+  if (is_cooling_down(place_.cooldown, component, frame.stamp_ns, kSuspected_ns))
+    doubt(*found, DoubtCause::kPlace);
   return found;
 }
 
@@ -76,7 +77,7 @@ bool Slam::is_located_anew(const TrackedFrame& tracked) const {
   const bool recognized = tracked.outcome == TrackingOutcome::kRelocalized;
   const auto frames = session_log();
   const auto last = std::find_if(frames.rbegin(), frames.rend(), [&](const LoggedFrame& frame) {
-    return !frame.is_lost() && !(recognized && frame.doubtful);
+    return !frame.is_lost() && !(recognized && frame.is_doubtful());
   });
   return last == frames.rend() || tracked.stamp_ns - last->stamp_ns > kCarried_ns;
 }
@@ -109,13 +110,27 @@ void Slam::check_location(TrackedFrame& tracked) {
   const KeyframeId end{static_cast<uint32_t>(map_.keyframes().size())};
   if (is_located_anew(tracked)) restart_trial(place_.trial, {log_.size(), tracked.stamp_ns, end, component});
   if (!place_.trial) return;
+  const bool was_confirmed = place_.trial->check.is_confirmed();
   examine(tracked, *place_.trial);
   const LocationCheck& check = place_.trial->check;
   if (check.is_contradicted()) return take_back_location(tracked);
   // Where the camera was said to be before, and was not, it has to be seen for longer.
   const bool too_early = is_cooling_down(place_.cooldown, component, tracked.stamp_ns, kSuspected_ns) &&
                          tracked.stamp_ns - place_.trial->begin_ns < kRefused_ns;
-  if (!check.is_confirmed() || too_early) tracked.provisional = tracked.doubtful = true;
+  if (!check.is_confirmed() || too_early) {
+    tracked.provisional = true;
+    doubt(tracked, DoubtCause::kPlace);
+  } else if (!was_confirmed) {
+    trust_place_since(place_.trial->begin_ns, component);
+  }
+}
+
+/// The frame that confirms the place also confirms those since the camera was located there.
+void Slam::trust_place_since(int64_t since_ns, uint32_t component) {
+  for (size_t i = log_.size(); i-- > earlier_.frame_count && log_[i].stamp_ns >= since_ns;) {
+    if (log_[i].trust.cause == DoubtCause::kPlace && is_tracked_in(component, log_[i], map_))
+      log_[i].trust = {};
+  }
 }
 
 /// Makes the frames since the camera was located lost and withdraws their keyframes. The camera has to be

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "kinloop/core/quantile.hpp"
+#include "kinloop/tracking/keypoint_tracking.hpp"
 
 namespace kinloop {
 namespace {
@@ -63,6 +64,14 @@ constexpr double kMinKeyframeMotion = 0.5;
 
 }  // namespace
 
+bool may_extend_map(const TrackedFrame& tracked) {
+  if (tracked.is_lost() || tracked.is_repeat()) return false;
+  if (tracked.is_doubtful() && !is_weak_evidence(tracked.trust.cause)) return false;
+  if (tracked.outcome == TrackingOutcome::kNewMap) return true;
+  const bool is_weak = tracked.is_doubtful() || !tracked.is_tracked_by_landmarks();
+  return !is_weak || !misses_landmarks(tracked, tracked.features());
+}
+
 KeyframeOptions spaced_for_direct_tracking(KeyframeOptions options) {
   constexpr double kSpacing = 1.5;
   options.max_relative_translation *= kSpacing;
@@ -79,7 +88,9 @@ double motion_from_nearest(const Features& features, std::span<const SE3> T_keyf
 
 bool needs_keyframe(const KeyframeCriteria& q, const KeyframeOptions& options) {
   const TrackedFrame& tracked = q.tracked;
-  if (!tracked.is_located() || !tracked.is_tracked_by_landmarks()) return false;
+  if (!tracked.is_located()) return false;
+  if (!tracked.is_tracked_by_landmarks() && unmapped_with_depth(tracked) <= options.min_unmapped_keypoints)
+    return false;
   const double moved = motion_from_nearest(tracked.features(), q.T_keyframe_camera, options);
   if (moved > 1) return true;
   if (moved < kMinKeyframeMotion) return false;
@@ -109,7 +120,7 @@ std::vector<SE3> motions_from_keyframes(const Map& map, const TrackedFrame& trac
 
 std::optional<TrackedFrame> KeyframeSelector::select(const TrackedFrame& tracked, const Map& map,
                                                      const Rematch& rematch) {
-  if (tracked.is_lost() || tracked.is_repeat() || tracked.doubtful) return std::nullopt;
+  if (!may_extend_map(tracked)) return std::nullopt;
   if (tracked.outcome == TrackingOutcome::kNewMap) return tracked;
   if (tracked.features().has_descriptors()) {
     return needs_keyframe(criteria_of(tracked, map), options_) ? std::optional(tracked) : std::nullopt;

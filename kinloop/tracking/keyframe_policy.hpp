@@ -31,6 +31,11 @@ struct KeyframeCriteria {
   int reference_landmarks = 0;  ///< landmarks of the reference keyframe confirmed by other keyframes
 };
 
+/// Returns whether the pose of a frame is good enough for a keyframe. Where evidence is only weak, at the end
+/// of the map or after a blur, the map goes on with the uncertainty of the pose; a camera that waits for
+/// landmarks there never sees one again.
+bool may_extend_map(const TrackedFrame& tracked);
+
 /// Returns whether the frame should become a keyframe, because it shows enough new content or too few known
 /// landmarks.
 bool needs_keyframe(const KeyframeCriteria& criteria, const KeyframeOptions& options);

@@ -26,6 +26,10 @@ struct TrackingInput {
 TrackedFrame track_keypoints(const TrackingInput& in, const TrackedFrame& previous,
                              const PredictedPose& predicted, uint64_t seed);
 
+/// Returns whether hardly any of the visible landmarks were matched although the image has the keypoints for
+/// them: something else is in view.
+bool misses_landmarks(const TrackedFrame& tracked, const Features& features);
+
 /// Returns whether enough of the visible landmarks were matched (their number is limited by the frame's
 /// keypoints). Chance matches can agree on a wrong pose, but then few landmarks are found at their
 /// projections.

@@ -61,10 +61,7 @@ bool has_few_inliers(const TrackedFrame& tracked) {
 /// Whether hardly any of the landmarks in view are found although all keypoints were extracted. Those that
 /// are may be on something that moves.
 bool has_low_recall(const TrackedFrame& tracked, const Features& features) {
-  // At least 9 % are found in redkitchen and in the rooms of seeds 101 to 104, where two people walk.
-  constexpr double kMinFound = 0.08;
-  return tracked.method == TrackingMethod::kKeypoints &&
-         !has_sufficient_inlier_ratio(tracked, features, kMinFound);
+  return tracked.method == TrackingMethod::kKeypoints && misses_landmarks(tracked, features);
 }
 
 }  // namespace
@@ -86,7 +83,7 @@ TrackedFrame Tracker::track(const Frame& measured, const TrackingContext& contex
 bool Tracker::is_in_long_doubt(const TrackedFrame& tracked) const {
   constexpr int64_t kMinDoubt_ns = kNsPerSecond / 2;
   constexpr uint32_t kInterval = 5;
-  return tracked.is_located() && tracked.doubtful && state_.doubtful_since_ns &&
+  return tracked.is_located() && tracked.is_doubtful() && state_.doubtful_since_ns &&
          tracked.stamp_ns - *state_.doubtful_since_ns > kMinDoubt_ns && tracked.id.value % kInterval == 0;
 }
 
@@ -152,7 +149,7 @@ TrackedFrame Tracker::repeat_previous(Frame frame) const {
   tracked.evidence.inliers = static_cast<int>(tracked.matches.size());
   // One image lost in transfer is bridged well; a camera whose image is frozen may be anywhere.
   constexpr int64_t kMaxRepeat_ns = kNsPerSecond / 5;
-  tracked.doubtful = previous_->doubtful || frame.stamp_ns - previous_->stamp_ns > kMaxRepeat_ns;
+  if (frame.stamp_ns - previous_->stamp_ns > kMaxRepeat_ns) doubt(tracked, DoubtCause::kFrozen);
   frame.features = previous_->frame->features;
   tracked.frame = std::make_shared<const Frame>(std::move(frame));
   return tracked;
@@ -299,7 +296,8 @@ TrackedFrame Tracker::rematch_keypoints(const TrackedFrame& tracked, const Senso
   rematched.evidence.attempts = 1;
   rematched.evidence.with_depth = count_with_depth(rematched.matches, local_map_);
   rematched = with_motion_prior(std::move(rematched), *measured, sensor);
-  rematched.doubtful = tracked.doubtful || has_low_recall(rematched, *frame.features);
+  rematched.trust = tracked.trust;
+  if (has_low_recall(rematched, *frame.features)) doubt(rematched, DoubtCause::kHidden);
   rematched.frame = std::make_shared<const Frame>(std::move(frame));
   return rematched;
 }
@@ -327,13 +325,18 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
     find_moved(tracked, measured);
-    const bool doubtful_before = previous_ && state_.lost_frames == 0 && previous_->doubtful;
-    tracked.doubtful = is_doubtful(tracked, doubtful_before) || has_low_recall(tracked, *measured.features) ||
-                       remains_weak(tracked);
+    const bool doubtful_before = previous_ && state_.lost_frames == 0 && previous_->is_doubtful();
+    tracked.trust = {};
+    doubt(tracked, cause_of_doubt(tracked, doubtful_before, options_.max_predicted_sigma_m));
+    if (has_low_recall(tracked, *measured.features)) doubt(tracked, DoubtCause::kHidden);
+    if (remains_weak(tracked)) doubt(tracked, DoubtCause::kFewLandmarks);
+    // Odometry carries on what was wrong with the previous pose.
+    if (doubtful_before && tracked.evidence.inliers < options_.tracking.min_inliers)
+      doubt(tracked, previous_->trust.cause);
   }
   tracked.frame = std::make_shared<const Frame>(deskewed(std::move(measured), sensor, tracked.velocity));
-  if (tracked.is_located() && (is_hypothesis(tracked) || lacks_scale(tracked, state_.lacks_scale)))
-    tracked.doubtful = true;
+  if (tracked.is_located() && lacks_scale(tracked, state_.lacks_scale)) doubt(tracked, DoubtCause::kScale);
+  if (tracked.is_located() && is_hypothesis(tracked)) doubt(tracked, DoubtCause::kPlace);
   return tracked;
 }
 
@@ -368,7 +371,7 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
 
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
 bool Tracker::follows_weak_pose() const {
-  return previous_ && state_.lost_frames == 0 && previous_->doubtful && has_few_inliers(*previous_);
+  return previous_ && state_.lost_frames == 0 && previous_->is_doubtful() && has_few_inliers(*previous_);
 }
 
 /// Whether few landmarks support a pose that follows such a one.
@@ -508,11 +511,12 @@ void Tracker::remember(const TrackedFrame& latest) {
   if (latest.is_lost()) {
     if (state_.lost_frames++ == 0) state_.lost_since_ns = latest.stamp_ns;
   } else {
-    keep_since(state_.doubtful_since_ns, latest.doubtful, latest.stamp_ns);
+    keep_since(state_.doubtful_since_ns, latest.is_doubtful(), latest.stamp_ns);
     state_.lacks_scale = latest.is_located() && lacks_scale(latest, state_.lacks_scale);
     state_.lost_frames = 0;
     previous_ = latest;
-    if (!latest.doubtful && latest.reference.valid()) trusted_ = {latest, latest.velocity, latest.stamp_ns};
+    if (!latest.is_doubtful() && latest.reference.valid())
+      trusted_ = {latest, latest.velocity, latest.stamp_ns};
     keep_recent(latest);
   }
 }

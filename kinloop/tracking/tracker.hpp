@@ -20,6 +20,7 @@ struct TrackerOptions {
   LocalMapOptions local_map;
   int min_initial_keypoints = 60;
   int lost_frames_before_new_component = 5;
+  double max_predicted_sigma_m = 0.1;
   bool localize_only = false;
   uint64_t seed = 1;
 };

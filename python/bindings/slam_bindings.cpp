@@ -108,7 +108,7 @@ bool is_lost(const Slam& slam) {
 
 bool is_doubtful(const Slam& slam) {
   const EstimatedFrame* last = last_located(slam);
-  return last != nullptr && last->doubtful;
+  return last != nullptr && last->is_doubtful();
 }
 
 py::object last_T_map_odom(Run& run) {

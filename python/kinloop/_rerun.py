@@ -134,7 +134,7 @@ def _known_sigmas(table):
     known = {}
     for line in table.read_text(encoding="utf-8").splitlines():
         fields = line.split()
-        if line.startswith("#") or len(fields) != 6:
+        if line.startswith("#") or len(fields) < 6:
             continue
         try:
             stamp_ns, sigma_m = int(Decimal(fields[0]) * 10**9), float(fields[5])

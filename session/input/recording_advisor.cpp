@@ -140,7 +140,7 @@ RecordingSigns signs_of(const TrackedFrame& tracked) {
   RecordingSigns signs;
   add_light(tracked.frame->gray, signs);
   add_depth(tracked.frame->depth_m, signs);
-  signs.in_doubt = tracked.doubtful || tracked.is_lost();
+  signs.in_doubt = tracked.is_doubtful() || tracked.is_lost();
   if (tracked.is_lost()) return signs;  // what follows is of the pose
   const Velocity& velocity = tracked.velocity;
   signs.image_motion_rad_s = velocity.angular_rad_s.norm() + velocity.linear_m_s.norm() / signs.depth_m;

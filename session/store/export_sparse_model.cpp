@@ -22,7 +22,9 @@ FrameAtStamp frames_to_read(const OpenMap& open, size_t session, size_t count) {
   for (size_t i = 0; i < open.recorder.image_count(); ++i) with_image.insert(open.recorder.frame_of_image(i));
   std::vector<const LoggedFrame*> candidates;
   for (const LoggedFrame& entry : open.session_log(session)) {
-    if (!entry.is_lost() && !entry.doubtful && !with_image.contains(entry.id)) candidates.push_back(&entry);
+    if (entry.method == TrackingMethod::kPredicted) continue;
+    if (!entry.is_lost() && !entry.is_doubtful() && !with_image.contains(entry.id))
+      candidates.push_back(&entry);
   }
   FrameAtStamp chosen;
   const size_t missing = std::min(count - std::min(count, known), candidates.size());

@@ -27,7 +27,7 @@ json frames_json(std::span<const LoggedFrame> session) {
   for (const LoggedFrame& frame : session) {
     stamps_ns.push_back(frame.stamp_ns);
     located.push_back(!frame.is_lost());
-    doubtful.push_back(frame.doubtful);
+    doubtful.push_back(frame.is_doubtful());
   }
   return {{"stamps_ns", stamps_ns}, {"located", located}, {"doubtful", doubtful}};
 }

@@ -136,11 +136,11 @@ TEST(PoseLine, SaysWhatIsNotKnown) {
   EXPECT_TRUE(line()["sigma_m"].is_null());
   EXPECT_TRUE(line()["covariance"].is_null());
   frame.world_covariance = 4e-6 * Matrix6d::Identity();
-  frame.doubtful = true;
+  doubt(frame, DoubtCause::kUnknown);
   EXPECT_EQ(line()["status"], "doubtful");
   EXPECT_NEAR(line()["sigma_m"].get<double>(), 2e-3, 1e-12);
   EXPECT_EQ(line()["T_map_camera"]["quaternion"], json({0.0, 0.0, 0.0, 1.0}));
-  frame.doubtful = false;
+  frame.trust = {};
   frame.method = TrackingMethod::kDense;
   EXPECT_EQ(line()["status"], "dense");
   frame.outcome = TrackingOutcome::kLost;

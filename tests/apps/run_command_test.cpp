@@ -100,7 +100,8 @@ TEST_F(RunCommand, EndsWithAVerdict) {
     EXPECT_EQ(summary["quality"]["seconds_doubtful"], 0);
     EXPECT_EQ(summary["quality"]["reasons"], nlohmann::json::array());
     EXPECT_EQ(summary["doubtful"], 0);
-    EXPECT_THAT(read_file(at("out/frames.txt")), HasSubstr(" ms sigma_m\n"));
+    EXPECT_THAT(read_file(at("out/frames.txt")),
+                HasSubstr(" ms sigma_m cause expected contradicted moved\n"));
     EXPECT_THAT(read_file(at("out/trajectory.txt")), Not(HasSubstr("#")));
   }
 }

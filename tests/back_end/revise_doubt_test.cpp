@@ -20,7 +20,7 @@ class Doubt : public test::SteadyLog {
   }
 
   void doubt(size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) log_[i].doubtful = true;
+    for (size_t i = begin; i < end; ++i) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   }
 
   /// The indices of the doubtful frames.
@@ -28,7 +28,7 @@ class Doubt : public test::SteadyLog {
     std::vector<size_t> found;
     const FrameLog revised = revise_doubt(log_, first, map_);
     for (size_t i = 0; i < revised.size(); ++i) {
-      if (revised[i].doubtful) found.push_back(i);
+      if (revised[i].is_doubtful()) found.push_back(i);
     }
     return found;
   }
@@ -68,7 +68,7 @@ TEST_F(Doubt, IsNotRaisedByTwoComponents) {
 
 TEST_F(Doubt, ReachesBackToWhereTheSurfacesBeganToContradict) {
   contradict(60, 100);
-  for (size_t i = 95; i < 100; ++i) log_[i].doubtful = true;
+  for (size_t i = 95; i < 100; ++i) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   const auto found = doubtful();
   ASSERT_FALSE(found.empty());
   EXPECT_NEAR(static_cast<double>(found.front()), 60 - 15, 5);  // and half a second before it
@@ -77,7 +77,7 @@ TEST_F(Doubt, ReachesBackToWhereTheSurfacesBeganToContradict) {
 
 TEST_F(Doubt, ReachesTwoSeconds) {
   contradict(0, 180);
-  log_[90].doubtful = log_[91].doubtful = true;
+  for (const size_t i : {90, 91}) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   const auto found = doubtful();
   EXPECT_EQ(found.front(), 30 - 15);  // doubt that lasts reaches half a second further
   EXPECT_EQ(found.back(), 151 + 15);
@@ -93,12 +93,12 @@ TEST_F(Doubt, ReachesOverWhatMoves) {
 
 TEST_F(Doubt, OfOneFrameStaysThere) {
   contradict(60, 120);
-  log_[90].doubtful = true;
+  kinloop::doubt(log_[90], DoubtCause::kUnknown);
   EXPECT_EQ(doubtful(), std::vector<size_t>{90});
 }
 
 TEST_F(Doubt, DoesNotSpreadWhereTheViewAgrees) {
-  for (size_t i = 90; i < 95; ++i) log_[i].doubtful = true;
+  for (size_t i = 90; i < 95; ++i) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   EXPECT_EQ(doubtful().size(), 5);
 }
 
@@ -127,7 +127,7 @@ TEST_F(Doubt, ThatLastsDoesNotReachAnotherComponent) {
 
 TEST_F(Doubt, DoesNotReachFramesOfEarlierSessions) {
   contradict(0, 180);
-  log_[90].doubtful = log_[91].doubtful = true;
+  for (const size_t i : {90, 91}) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   EXPECT_EQ(doubtful(90).front(), 90);
 }
 

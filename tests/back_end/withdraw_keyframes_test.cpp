@@ -41,7 +41,7 @@ TEST_F(WithdrawKeyframes, KeepsThePosesInDoubtRelativeToTheLastKeyframeBefore) {
   withdraw_keyframes(50, 0, map_, log_);
   for (size_t i = 0; i < log_.size(); ++i) {
     EXPECT_NEAR(log_[i].world(map_).translation.x(), x_m(i), 1e-12) << i;
-    EXPECT_EQ(log_[i].doubtful, i >= 50) << i;
+    EXPECT_EQ(log_[i].is_doubtful(), i >= 50) << i;
     EXPECT_LE(log_[i].reference.value, 2) << i;
   }
   EXPECT_EQ(log_[40].keyframe, KeyframeId{2});
@@ -52,14 +52,14 @@ TEST_F(WithdrawKeyframes, LeavesOtherComponentsAndLostFramesAlone) {
   for (size_t i = 90; i < 95; ++i) log_[i].reference = KeyframeId{1};
   log_[96].outcome = TrackingOutcome::kLost;
   withdraw_keyframes(50, 0, map_, log_);
-  EXPECT_FALSE(log_[92].doubtful);
+  EXPECT_FALSE(log_[92].is_doubtful());
   EXPECT_EQ(log_[92].reference, KeyframeId{1});
-  EXPECT_FALSE(log_[96].doubtful);
+  EXPECT_FALSE(log_[96].is_doubtful());
 }
 
 TEST_F(WithdrawKeyframes, TakesNothingIfNoneWasMade) {
   EXPECT_EQ(withdraw_keyframes(81, 0, map_, log_), std::nullopt);
-  EXPECT_FALSE(log_[90].doubtful);
+  EXPECT_FALSE(log_[90].is_doubtful());
 }
 
 TEST_F(WithdrawKeyframes, KeepsAComponentThatHasNothingElse) {

@@ -52,7 +52,8 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.map.keyframes[3].features->depth_stamp_difference_s,
             saved.map.keyframes[3].features->depth_stamp_difference_s);
   EXPECT_EQ(again.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
-  for (size_t i : {1U, 2U}) EXPECT_EQ(again.frames[i].doubtful, i == 2U) << i;
+  EXPECT_EQ(again.frames[1].trust.cause, DoubtCause::kNone);
+  EXPECT_EQ(again.frames[2].trust.cause, DoubtCause::kPlace);
   EXPECT_EQ(again.map.loop_closures[0].information, saved.map.loop_closures[0].information);
   ASSERT_EQ(again.map.other_loops.size(), 2U);
   const LoopClosure& rejected = again.map.other_loops[0];
@@ -122,7 +123,7 @@ TEST(MapFile, FilesOfVersion2AreReadWithoutMarksOfDoubt) {
   const SavedMap saved = some_saved_map();
   ASSERT_EQ(old.frames.size(), saved.frames.size());
   EXPECT_EQ(old.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
-  for (const FrameRecord& frame : old.frames) EXPECT_FALSE(frame.doubtful);
+  for (const FrameRecord& frame : old.frames) EXPECT_FALSE(frame.is_doubtful());
 }
 
 TEST(MapFile, FilesOfVersion3AreReadWithComponentsAsVisits) {
@@ -139,7 +140,7 @@ TEST(MapFile, FilesOfVersion3AreReadWithComponentsAsVisits) {
   EXPECT_FALSE(damage.any()) << describe(damage);
   EXPECT_EQ(now.map.keyframes[8].visit, 1U);
   EXPECT_EQ(old.map.keyframes[8].visit, 0U);
-  EXPECT_EQ(old.frames[2].doubtful, saved.frames[2].doubtful);
+  EXPECT_EQ(old.frames[2].is_doubtful(), saved.frames[2].is_doubtful());
   for (const auto& [map, support] : {std::pair(&now.map, 4), std::pair(&old.map, 1)}) {
     ASSERT_EQ(map->loop_closures.size(), 1U);
     EXPECT_EQ(map->loop_closures[0].support, support);

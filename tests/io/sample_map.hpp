@@ -112,7 +112,7 @@ inline SavedMap some_saved_map() {
     if (i % 3 == 0) frame.keyframe = KeyframeId{i / 3};
     frame.T_reference_camera = some_pose(random);
     frame.depth_stamp_difference_s = static_cast<float>(random.uniform(-0.02, 0.02));
-    frame.doubtful = i % 5 == 2;
+    if (i % 5 == 2) doubt(frame, DoubtCause::kPlace);
     saved.frames.push_back(frame);
   }
   return saved;

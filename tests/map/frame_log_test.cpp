@@ -1,5 +1,8 @@
 #include "kinloop/map/frames/frame_log.hpp"
 
+#include <set>
+#include <string_view>
+
 #include <gtest/gtest.h>
 
 namespace kinloop {
@@ -63,14 +66,14 @@ TEST(RelocalizeLostFrames, ContinuesFromNeighborsInBothDirections) {
 TEST(RelocalizeLostFrames, KeepsTheDoubtOfWhatWasFound) {
   const FrameSearch search{[](const Frame& frame) -> std::optional<TrackedFrame> {
                              TrackedFrame tracked = located_at(3);
-                             tracked.doubtful = frame.id == FrameId{1};
+                             if (frame.id == FrameId{1}) doubt(tracked, DoubtCause::kUnknown);
                              return tracked;
                            },
                            [](const Frame&, const FrameRecord&) { return located_at(4); }};
   const FrameLog log = relocalize_lost_frames(
       {logged(1, TrackingOutcome::kLost), logged(2, TrackingOutcome::kLost)}, kHeight_px, search);
-  EXPECT_TRUE(log[0].doubtful);
-  EXPECT_FALSE(log[1].doubtful);
+  EXPECT_TRUE(log[0].is_doubtful());
+  EXPECT_FALSE(log[1].is_doubtful());
 }
 
 TEST(RelocalizeLostFrames, WhatIsFoundWithoutDepthIsInDoubt) {
@@ -80,9 +83,9 @@ TEST(RelocalizeLostFrames, WhatIsFoundWithoutDepthIsInDoubt) {
   const FrameLog log = relocalize_lost_frames(
       {logged(0, TrackingOutcome::kTracked), without_depth, logged(2, TrackingOutcome::kLost)}, kHeight_px,
       search);
-  EXPECT_TRUE(log[1].doubtful);
+  EXPECT_TRUE(log[1].is_doubtful());
   EXPECT_EQ(log[1].evidence.input.depth_factor, 0);
-  EXPECT_FALSE(log[2].doubtful);
+  EXPECT_FALSE(log[2].is_doubtful());
 }
 
 /// A map of one keyframe, and frames of which `doubtful` are in doubt.
@@ -105,7 +108,7 @@ class DoubtfulFrames : public testing::Test {
 };
 
 TEST_F(DoubtfulFrames, AreInATrajectoryOnlyOnRequest) {
-  log_[1].doubtful = log_[2].doubtful = log_[4].doubtful = true;
+  for (const size_t i : {1, 2, 4}) doubt(log_[i], DoubtCause::kUnknown);
   const Trajectory trusted = trajectory_of(log_, map_);
   ASSERT_EQ(trusted.size(), 2U);
   EXPECT_EQ(trusted[1].stamp_ns, 3);
@@ -116,8 +119,30 @@ TEST_F(DoubtfulFrames, AreInATrajectoryOnlyOnRequest) {
 
 TEST_F(DoubtfulFrames, AreNotedOnlyIfThereAreSome) {
   EXPECT_EQ(note_on_doubtful_poses(log_, map_, DoubtfulPoses::kLeftOut), "");
-  log_[3].doubtful = true;
+  doubt(log_[3], DoubtCause::kUnknown);
   EXPECT_EQ(note_on_doubtful_poses(log_, map_, DoubtfulPoses::kKept), "with 1 doubtful pose");
+}
+
+TEST(Doubt, HasItsFirstCauseUnlessThatIsOnlyWeakEvidence) {
+  FrameRecord frame;
+  doubt(frame, DoubtCause::kNone);
+  EXPECT_FALSE(frame.is_doubtful());
+  doubt(frame, DoubtCause::kFewLandmarks);
+  doubt(frame, DoubtCause::kDrift);
+  doubt(frame, DoubtCause::kNone);
+  EXPECT_EQ(frame.trust.cause, DoubtCause::kFewLandmarks);
+  doubt(frame, DoubtCause::kSurfaces);
+  doubt(frame, DoubtCause::kPlace);
+  EXPECT_EQ(frame.trust.cause, DoubtCause::kSurfaces);
+}
+
+TEST(Doubt, EveryCauseHasANameAndANumber) {
+  std::set<std::string_view> names;
+  int64_t number = 0;
+  for (; const auto cause = doubt_cause(number); ++number) names.insert(name_of(*cause));
+  EXPECT_EQ(names.size(), static_cast<size_t>(number));
+  EXPECT_EQ(doubt_cause(number - 1), DoubtCause::kNeighbours) << "the last one";
+  EXPECT_FALSE(doubt_cause(-1));
 }
 
 TEST(LogEntry, KeepsTheDoubt) {
@@ -125,8 +150,8 @@ TEST(LogEntry, KeepsTheDoubt) {
   Frame frame;
   frame.features = std::make_shared<const Features>();
   tracked.frame = std::make_shared<const Frame>(frame);
-  tracked.doubtful = true;
-  EXPECT_TRUE(log_entry(tracked, kHeight_px).doubtful);
+  doubt(tracked, DoubtCause::kUnknown);
+  EXPECT_TRUE(log_entry(tracked, kHeight_px).is_doubtful());
 }
 
 TEST(RelocalizeLostFrames, KeepsFramesLostThatAreNotFound) {
@@ -151,7 +176,7 @@ TEST(Covariances, AreThoseOfThePosesOfTheTrajectory) {
     log[i].world_covariance = static_cast<double>(i) * Matrix6d::Identity();
   }
   log[1].outcome = TrackingOutcome::kLost;
-  log[3].doubtful = true;
+  doubt(log[3], DoubtCause::kUnknown);
   for (const DoubtfulPoses doubtful : {DoubtfulPoses::kLeftOut, DoubtfulPoses::kKept}) {
     const Trajectory trajectory = trajectory_of(log, map, doubtful);
     const auto covariances = covariances_of(log, map, doubtful);

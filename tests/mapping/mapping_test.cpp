@@ -132,6 +132,20 @@ TEST(LandmarkCreation, CullsUnconfirmedLandmarks) {
   built.map.check_invariants();
 }
 
+/// Two views of one wall, and two of another one behind the camera.
+TEST(OldestTied, IsTheFirstKeyframeOfEachPartThatSharesLandmarks) {
+  test::SyntheticMap built;
+  const SE3 back{exp_so3({0, 3.1, 0}), Eigen::Vector3d::Zero()};
+  uint64_t seed = 0;
+  for (const SE3& pose : {SE3{}, pose_on_arc(1), back, back * pose_on_arc(1)})
+    test::add_view(built, world(), test::observe(world(), pose, {}, ++seed), pose);
+  const std::vector<KeyframeId> all = {KeyframeId{3}, KeyframeId{0}, KeyframeId{2}, KeyframeId{1}};
+  const std::vector<KeyframeId> expected = {KeyframeId{2}, KeyframeId{0}, KeyframeId{2}, KeyframeId{0}};
+  EXPECT_EQ(oldest_tied(built.map, all), expected);
+  const auto problem = make_global_ba_problem(built.map, test::sensor_of(world().camera));
+  EXPECT_EQ(problem.bundle.fixed, (std::vector<uint8_t>{1, 0, 1, 0}));
+}
+
 /// Keyframes along the arc with slightly wrong poses.
 test::SyntheticMap disturbed_map(int keyframes) {
   test::SyntheticMap built;

@@ -51,7 +51,7 @@ def test_continued_map_has_both_recordings(program_run, sequence, tmp_path):
     for _, frame in zip(range(30), source):
         slam.process(frame)
     result = slam.finish()
-    assert len(result.trajectory) == 29  # the place of the first frame has yet to be confirmed
+    assert len(result.trajectory) == 30
     result.save_map(tmp_path / "both.kinmap")
     assert len(kinloop.Map.load(tmp_path / "both.kinmap").sessions) == 2
 

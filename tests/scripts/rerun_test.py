@@ -135,7 +135,7 @@ class Rerun(SmallRunTest):
 
     def test_uncertainty_and_status_are_those_of_frames(self):
         lines = table_of(self.run_folder / "frames.txt")
-        code = {"lost": 0, "doubtful": 1, "dense": 2, "tracked": 2}
+        code = {"lost": 0, "doubtful": 1, "dense": 2, "predicted": 2, "tracked": 2}
         stamps, status = self.rows("/plots/status", "Scalars:scalars")
         self.assertEqual(list(stamps), stamps_ns([line[0] for line in lines]))
         self.assertEqual([value for (value,) in status], [code[line[1]] for line in lines])

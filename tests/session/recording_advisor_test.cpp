@@ -163,7 +163,7 @@ TEST(RecordingSigns, OfAPose) {
   EXPECT_NEAR(signs.image_motion_rad_s, 0.5 + 1.0 / 2, 1e-9);
   EXPECT_EQ(signs.inliers, 120);
   EXPECT_FALSE(signs.in_doubt);
-  tracked.doubtful = true;
+  doubt(tracked, DoubtCause::kUnknown);
   EXPECT_TRUE(signs_of(tracked).in_doubt);
   tracked.method = TrackingMethod::kDense;
   EXPECT_EQ(signs_of(tracked).inliers, 0) << "no landmark holds it";

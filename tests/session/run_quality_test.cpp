@@ -91,7 +91,7 @@ TEST(RunQuality, JudgesTheFramesOfALog) {
     log[i].outcome = TrackingOutcome::kTracked;
     log[i].reference = KeyframeId{i == 4 ? 1U : 0U};
   }
-  log[2].doubtful = log[3].doubtful = true;
+  for (const size_t i : {2, 3}) doubt(log[i], DoubtCause::kUnknown);
   log[3].outcome = TrackingOutcome::kLost;
   std::vector<FrameTrust> trust;
   for (const JudgedFrame& frame : judged_frames(log, map)) trust.push_back(frame.trust);

@@ -70,7 +70,8 @@ Found found_in_first(const Slam& slam, const Visits& visits) {
   Found found;
   for (size_t i = kFirst; i < slam.log().size(); ++i) {
     const LoggedFrame& entry = slam.log()[i];
-    if (entry.is_lost() || entry.doubtful || slam.map().keyframe(entry.reference).component != 0) continue;
+    if (entry.is_lost() || entry.is_doubtful() || slam.map().keyframe(entry.reference).component != 0)
+      continue;
     const SE3 T_world_truth = visits.truth.front().T_world_camera.inverse() * visits.truth[i].T_world_camera;
     ++found.trusted;
     found.worst_m =
@@ -140,7 +141,8 @@ TEST(LookAlike, WhereTheSameDoorsRepeatTheCameraIsNotFoundAtTheWrongOne) {
   slam.finish();
   int trusted = 0;
   for (const LoggedFrame& entry : slam.log()) {
-    if (entry.is_lost() || entry.doubtful || slam.map().keyframe(entry.reference).component != 0) continue;
+    if (entry.is_lost() || entry.is_doubtful() || slam.map().keyframe(entry.reference).component != 0)
+      continue;
     const auto true_pose = pose_at(truth, entry.stamp_ns, kNsPerSecond);
     ASSERT_TRUE(true_pose);
     const SE3 T_world_truth = truth.front().T_world_camera.inverse() * *true_pose;

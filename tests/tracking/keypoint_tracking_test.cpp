@@ -279,6 +279,36 @@ TEST_F(KeyframePolicy, NoKeyframeNearAnExistingOne) {
   EXPECT_FALSE(needs_keyframe({result_, {far_off, near_by}, 5, 300}, {}));
 }
 
+TEST_F(KeyframePolicy, WeakEvidenceExtendsTheMap) {
+  doubt(result_, DoubtCause::kFewLandmarks);
+  EXPECT_TRUE(may_extend_map(result_)) << "the camera leaves the map";
+  result_.evidence.visible_landmarks = 300;
+  result_.evidence.inliers = 10;
+  EXPECT_FALSE(may_extend_map(result_)) << "something hides the mapped place";
+  result_.evidence.visible_landmarks = 3 * static_cast<int>(result_.features().size());
+  EXPECT_TRUE(may_extend_map(result_)) << "the image is blurred";
+  result_.evidence.visible_landmarks = 300;
+  result_.evidence.inliers = 100;
+  EXPECT_TRUE(may_extend_map(result_));
+}
+
+TEST_F(KeyframePolicy, EvidenceAgainstThePoseDoesNotExtendTheMap) {
+  for (const DoubtCause cause : {DoubtCause::kSurfaces, DoubtCause::kScale, DoubtCause::kPlace}) {
+    result_.trust = {};
+    doubt(result_, cause);
+    EXPECT_FALSE(may_extend_map(result_)) << name_of(cause);
+  }
+}
+
+TEST_F(KeyframePolicy, DenseOdometryExtendsTheMapWhereThereAreKeypoints) {
+  result_.method = TrackingMethod::kDense;
+  EXPECT_TRUE(asks(camera_at(0.5, {0, 0, 0}), 0, 300));
+  Frame dark = *result_.frame;
+  dark.features = std::make_shared<const Features>();
+  result_.frame = std::make_shared<const Frame>(dark);
+  EXPECT_FALSE(asks(camera_at(0.5, {0, 0, 0}), 0, 300));
+}
+
 TEST(MotionsFromKeyframes, CoverTheLastAndTheCovisibleKeyframes) {
   const auto world = test::make_world(3000, 1);
   const std::vector<SE3> poses{SE3{}, camera_at(0.1, {0.1, 0, 0}), camera_at(3.1, {0, 0, 0}),
@@ -319,6 +349,7 @@ TEST(MotionsFromKeyframes, LeaveOutTheNewestKeyframeInAnotherComponent) {
 TEST_F(KeyframePolicy, ALostFrameNeverBecomesAKeyframe) {
   result_.outcome = TrackingOutcome::kLost;
   EXPECT_FALSE(needs_keyframe({result_, {camera_at(1, {1, 1, 1})}, 5, 300}, {}));
+  EXPECT_FALSE(may_extend_map(result_));
 }
 
 }  // namespace

@@ -25,6 +25,12 @@ bool contradicts(const SurfaceAgreement& agreement, int inliers) {
   return contradicts_unexpected_pose(agreement, found.tracked, found.frame);
 }
 
+/// Whether a pose is in doubt, with the default bound of what dense odometry may accumulate.
+bool is_in_doubt(const TrackedFrame& tracked, bool doubtful_before) {
+  constexpr double kMaxSigma_m = 0.1;
+  return cause_of_doubt(tracked, doubtful_before, kMaxSigma_m) != DoubtCause::kNone;
+}
+
 TEST(SurfaceEvidence, ContradictsFewChanceMatches) {
   EXPECT_TRUE(contradicts({2000, 200, 0}, 20));
   EXPECT_FALSE(contradicts({2000, 40, 0}, 20));
@@ -45,41 +51,41 @@ TEST(SurfaceEvidence, FewPointsDecideNothing) {
 TEST(SurfaceEvidence, DoubtsWhatMostOfTheViewContradicts) {
   TrackedFrame tracked = Found(200).tracked;
   tracked.evidence.surfaces = {2000, 200, 0};
-  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
   tracked.evidence.surfaces = {2000, 1000, 0};
-  EXPECT_TRUE(is_doubtful(tracked, false));
+  EXPECT_TRUE(is_in_doubt(tracked, false));
   tracked.velocity.angular_rad_s = {0, 2, 0};  // the rolling shutter distorts both views
-  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
   tracked.evidence.surfaces = {1000, 2000, 0};
-  EXPECT_TRUE(is_doubtful(tracked, false));
+  EXPECT_TRUE(is_in_doubt(tracked, false));
 }
 
 TEST(SurfaceEvidence, StaysInDoubtUntilFewPointsContradict) {
   TrackedFrame tracked = Found(200).tracked;
   tracked.evidence.surfaces = {1600, 400, 0};
-  EXPECT_FALSE(is_doubtful(tracked, false));
-  EXPECT_TRUE(is_doubtful(tracked, true));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
+  EXPECT_TRUE(is_in_doubt(tracked, true));
   tracked.evidence.surfaces = {1900, 100, 0};
-  EXPECT_FALSE(is_doubtful(tracked, true));
+  EXPECT_FALSE(is_in_doubt(tracked, true));
 }
 
 TEST(SurfaceEvidence, DoubtsDenseOdometryThatIsUncertain) {
   TrackedFrame tracked = Found(0).tracked;
   tracked.covariance = Matrix6d::Identity() * 0.01 * 0.01;
   tracked.method = TrackingMethod::kDense;
-  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
   tracked.covariance(1, 1) = 1;  // along a wall
-  EXPECT_TRUE(is_doubtful(tracked, false));
+  EXPECT_TRUE(is_in_doubt(tracked, false));
   tracked.method = TrackingMethod::kKeypoints;
   tracked.evidence.inliers = 200;
-  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
 }
 
 TEST(SurfaceEvidence, DoubtsAPoseOfAFewLandmarks) {
   TrackedFrame tracked = Found(20).tracked;
-  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
   tracked.evidence.inliers = 8;
-  EXPECT_TRUE(is_doubtful(tracked, false));
+  EXPECT_TRUE(is_in_doubt(tracked, false));
 }
 
 TEST(SurfaceEvidence, FindsThatTriangulatedLandmarksWithoutSurfacesDoNotHoldTheScale) {
@@ -99,6 +105,12 @@ TEST(SurfaceEvidence, RestoresTheScaleByLandmarksOfKnownDepthAlone) {
   EXPECT_FALSE(lacks_scale(tracked, true));
 }
 
+TEST(SurfaceEvidence, LeavesTheScaleOfAPoseThatThePreviousFrameHoldsAsItWas) {
+  const TrackedFrame tracked = Found(8).tracked;
+  EXPECT_FALSE(lacks_scale(tracked, false));
+  EXPECT_TRUE(lacks_scale(tracked, true));
+}
+
 TEST(SurfaceEvidence, LeavesTheScaleOfDenseOdometryAsItWas) {
   TrackedFrame tracked = Found(0).tracked;
   tracked.method = TrackingMethod::kDense;
@@ -109,9 +121,9 @@ TEST(SurfaceEvidence, LeavesTheScaleOfDenseOdometryAsItWas) {
 TEST(SurfaceEvidence, DoubtsAPoseIfHalfOfTheImageMoves) {
   TrackedFrame tracked = Found(200).tracked;
   tracked.evidence.moved_share = 0.4;
-  EXPECT_FALSE(is_doubtful(tracked, false));
+  EXPECT_FALSE(is_in_doubt(tracked, false));
   tracked.evidence.moved_share = 0.6;
-  EXPECT_TRUE(is_doubtful(tracked, false));
+  EXPECT_TRUE(is_in_doubt(tracked, false));
 }
 
 TEST(PositionSigma, IsThatOfTheLeastCertainDirection) {

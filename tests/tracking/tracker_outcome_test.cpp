@@ -81,7 +81,7 @@ class TrackerOutcome : public testing::Test {
   /// Turns from the mapped part of the room, from `angle_rad` on, until the pose is in doubt.
   TrackedFrame turn_into_doubt(double& angle_rad) {
     TrackedFrame latest = show(turned(angle_rad));
-    while (!latest.is_lost() && !latest.doubtful) latest = show(turned(angle_rad += 0.03));
+    while (!latest.is_lost() && !latest.is_doubtful()) latest = show(turned(angle_rad += 0.03));
     return latest;
   }
 
@@ -144,8 +144,8 @@ TEST_F(TrackerOutcome, AWeakRelocalizationIsInDoubtUntilAFrameConfirmsIt) {
   };
   const TrackedFrame weak = show(pose(1.5));
   ASSERT_EQ(weak.outcome, TrackingOutcome::kRelocalized);
-  EXPECT_TRUE(weak.doubtful);
-  EXPECT_FALSE(show(pose(1.55)).doubtful);
+  EXPECT_TRUE(weak.is_doubtful());
+  EXPECT_FALSE(show(pose(1.55)).is_doubtful());
 }
 
 TEST_F(TrackerOutcome, AWeakRelocalizationThatNothingConfirmsIsGivenUp) {
@@ -159,11 +159,11 @@ TEST_F(TrackerOutcome, AWeakRelocalizationThatNothingConfirmsIsGivenUp) {
   };
   const TrackedFrame weak = show(view(1.5));
   ASSERT_EQ(weak.outcome, TrackingOutcome::kRelocalized);
-  EXPECT_TRUE(weak.doubtful);
+  EXPECT_TRUE(weak.is_doubtful());
   TrackedFrame latest;
   for (int i = 0; i < 40; ++i) {
     latest = show(view(1.5));
-    EXPECT_TRUE(latest.doubtful || latest.is_lost()) << i;
+    EXPECT_TRUE(latest.is_doubtful() || latest.is_lost()) << i;
   }
   EXPECT_TRUE(latest.is_lost());
 }
@@ -182,7 +182,35 @@ TEST_F(TrackerOutcome, WhereHardlyAnyLandmarkInViewIsFoundThePoseIsInDoubt) {
   const TrackedFrame latest = show(view);
   ASSERT_TRUE(latest.is_located());
   EXPECT_GE(latest.evidence.inliers, 15);
-  EXPECT_TRUE(latest.doubtful);
+  EXPECT_EQ(latest.trust.cause, DoubtCause::kHidden);
+}
+
+/// What hides the landmarks holds the camera, which then turns to where none are expected.
+TEST_F(TrackerOutcome, OdometryCarriesOnWhatWasWrongWithThePreviousPose) {
+  constexpr size_t kFound = 40;
+  world_ = test::make_world(20000, 1);
+  build_map();
+  show(pose(1.5));
+  const auto look_hidden = [&](double angle_rad, size_t found) {
+    test::SyntheticView view =
+        test::observe(world_, test::camera_at(angle_rad, {0.0465, 0, 0}), {}, 100 + id_);
+    Features features = *view.features;
+    features.descriptors = features.descriptors.clone();
+    cv::Mat others = features.descriptors.rowRange(static_cast<int>(found), features.descriptors.rows);
+    cv::bitwise_not(others, others);
+    view.features = std::make_shared<const Features>(std::move(features));
+    return show(view);
+  };
+  double angle_rad = 0.0775;
+  TrackedFrame latest = look_hidden(angle_rad, kFound);
+  ASSERT_EQ(latest.trust.cause, DoubtCause::kHidden);
+  do {
+    latest = look_hidden(angle_rad += 0.03, 0);
+    ASSERT_FALSE(latest.is_lost());
+    EXPECT_LT(latest.evidence.inliers, 15);
+  } while (latest.evidence.visible_landmarks > 20 && angle_rad < 2);
+  EXPECT_LT(angle_rad, 2);
+  EXPECT_EQ(latest.trust.cause, DoubtCause::kHidden);
 }
 
 /// The camera turns away from the map, held by keypoints of the previous frame that are no landmarks, and
@@ -194,10 +222,10 @@ TEST_F(TrackerOutcome, AfterAPoseOfAFewLandmarksAFewMoreAreInDoubtToo) {
   ASSERT_FALSE(latest.is_lost());
   EXPECT_LT(latest.evidence.inliers, 15);
   bool few_in_doubt = false;
-  while (latest.doubtful) {
+  while (latest.is_doubtful()) {
     latest = show(turned(angle_rad -= 0.01));
     ASSERT_FALSE(latest.is_lost());
-    few_in_doubt |= latest.doubtful && latest.evidence.inliers >= 15;
+    few_in_doubt |= latest.is_doubtful() && latest.evidence.inliers >= 15;
   }
   EXPECT_TRUE(few_in_doubt);
   EXPECT_GE(latest.evidence.inliers, 30);
@@ -211,7 +239,7 @@ TEST_F(TrackerOutcome, ACameraThatStaysInDoubtBesideTheMapStartsANewMap) {
   double angle_rad = 0.05;
   TrackedFrame latest = turn_into_doubt(angle_rad);
   const int64_t doubtful_since_ns = latest.stamp_ns;
-  while (latest.doubtful && id_ < 400) latest = show(turned(angle_rad));
+  while (latest.is_doubtful() && id_ < 400) latest = show(turned(angle_rad));
   EXPECT_EQ(latest.outcome, TrackingOutcome::kNewMap);
   EXPECT_GE(latest.stamp_ns - doubtful_since_ns, 5'000'000'000);
 }
@@ -232,7 +260,7 @@ TEST_F(TrackerOutcome, InDoubtACameraIsNotRecognizedWhereItCannotHaveGotSinceIts
   double angle_rad = 0.05;
   TrackedFrame latest = turn_into_doubt(angle_rad);
   const int64_t doubtful_since_ns = latest.stamp_ns;
-  while (latest.doubtful && id_ < 400) latest = show(turned(angle_rad));
+  while (latest.is_doubtful() && id_ < 400) latest = show(turned(angle_rad));
   EXPECT_EQ(latest.outcome, TrackingOutcome::kRelocalized);
   EXPECT_GE(latest.stamp_ns - doubtful_since_ns, 2'000'000'000) << "at 1 m/s^2, beside half a metre of drift";
 }
@@ -278,12 +306,12 @@ TEST_F(TrackerOutcome, AfterLongDoubtThePlaceIsRecognizedAnew) {
     return with_fewer_features(test::observe(world_, pose(1.5), {}, 100 + id_), 59);
   };
   TrackedFrame latest = show(few());  // relocalized on weak evidence, which nothing confirms
-  ASSERT_TRUE(latest.doubtful);
+  ASSERT_TRUE(latest.is_doubtful());
   for (latest = show(few()); latest.outcome == TrackingOutcome::kTracked && id_ < 30; latest = show(few()))
-    EXPECT_TRUE(latest.doubtful);
+    EXPECT_TRUE(latest.is_doubtful());
   EXPECT_EQ(latest.outcome, TrackingOutcome::kRelocalized);
   EXPECT_GT(latest.id.value, 15U);  // half a second
-  EXPECT_FALSE(latest.doubtful);
+  EXPECT_FALSE(latest.is_doubtful());
 }
 
 TEST_F(TrackerOutcome, ReturningCameraIsRelocalized) {

@@ -31,7 +31,7 @@ std::vector<std::string> statuses(bool doubtful) {
   std::vector<LoggedFrame> log;
   for (TrackedFrame& frame : frames) {
     recorder.on_frame(frame);
-    frame.doubtful = doubtful;
+    if (doubtful) doubt(frame, DoubtCause::kUnknown);
     log.push_back(logged(frame));
   }
   std::vector<std::string> all;
@@ -68,11 +68,11 @@ TEST(FrameRecorder, LivePosesAreThoseThatTrackingGaveInTheMainComponent) {
     frame.stamp_ns = i;
     frame.reference = KeyframeId{0};
     frame.T_world_camera.translation.x() = i;
-    frame.doubtful = i == 1;
+    if (i == 1) doubt(frame, DoubtCause::kUnknown);
     recorder.record_pose(frame);
     recorder.on_frame(frame);
     recorder.on_map(built.map);
-    frame.doubtful = false;  // trusted later
+    frame.trust = {};  // trusted later
     log.push_back(logged(frame));
   }
   log[2].outcome = TrackingOutcome::kLost;

@@ -195,7 +195,7 @@ class FrameTableFile : public testing::Test {
 };
 
 TEST_F(FrameTableFile, ComesBackAsItWasWritten) {
-  const FrameTable table = {{1311868164363, "doubtful", 1000, 640, 12.5, 0.0625},
+  const FrameTable table = {{1311868164363, "doubtful", 1000, 640, 12.5, 0.0625, "hidden", 800, 0.25, 0.5},
                             {1311868164399, "lost", 0, 0, 0.125, 0}};
   write_frame_table(path_, table);
   const FrameTable back = read_frame_table(path_);
@@ -204,6 +204,11 @@ TEST_F(FrameTableFile, ComesBackAsItWasWritten) {
   EXPECT_EQ(back[0].status, "doubtful");
   EXPECT_EQ(back[0].tracked, 640);
   EXPECT_EQ(back[0].sigma_m, 0.0625);
+  EXPECT_EQ(back[0].cause, "hidden");
+  EXPECT_EQ(back[0].expected, 800);
+  EXPECT_EQ(back[0].contradicted, 0.25);
+  EXPECT_EQ(back[0].moved, 0.5);
+  EXPECT_EQ(back[1].cause, "-");
   EXPECT_EQ(back[1].status, "lost");
   EXPECT_EQ(back[1].ms, 0.125);
 }
@@ -214,6 +219,14 @@ TEST_F(FrameTableFile, OfAnEarlierVersionHasNoSigma) {
   ASSERT_EQ(table.size(), 1U);
   EXPECT_EQ(table[0].ms, 12.5);
   EXPECT_EQ(table[0].sigma_m, 0);
+}
+
+TEST_F(FrameTableFile, OfVersion02EndsWithSigma) {
+  write_file(path_, "# stamp_s status features tracked ms sigma_m\n1.0 dense 900 64 12.5 0.25\n");
+  const FrameTable table = read_frame_table(path_);
+  ASSERT_EQ(table.size(), 1U);
+  EXPECT_EQ(table[0].sigma_m, 0.25);
+  EXPECT_EQ(table[0].cause, "-");
 }
 
 TEST_F(FrameTableFile, SaysWhereItIsDamaged) {

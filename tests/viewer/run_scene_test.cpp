@@ -60,7 +60,7 @@ class FakeRun {
     TrackedFrame tracked = unlocated(frame);
     tracked.moved = moved;
     tracked.outcome = outcome;
-    tracked.doubtful = doubtful;
+    if (doubtful) doubt(tracked, DoubtCause::kUnknown);
     tracked.frame = std::make_shared<const Frame>(frame);
     if (!tracked.is_lost()) {
       if (next_ % 2 == 1) {

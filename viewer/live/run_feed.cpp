@@ -19,8 +19,8 @@ MapSummary outline_of(const Map& map) {
 }
 
 FrameEvent event_of(const FrameRecord& tracked, int inliers) {
-  return {tracked.stamp_ns,           tracked.outcome, tracked.method,  tracked.reference,
-          tracked.T_reference_camera, inliers,         tracked.doubtful};
+  return {tracked.stamp_ns,           tracked.outcome, tracked.method,       tracked.reference,
+          tracked.T_reference_camera, inliers,         tracked.is_doubtful()};
 }
 
 MeshFrame mesh_frame_of(const TrackedFrame& tracked) {
@@ -40,7 +40,7 @@ void push_bounded(std::deque<Event>& queue, Event event, size_t most) {
 
 /// A frame whose pose may be wrong would spoil what others have measured.
 bool RunFeed::is_for_mesh(const TrackedFrame& tracked) {
-  if (tracked.is_lost() || tracked.doubtful || tracked.provisional) return false;
+  if (tracked.is_lost() || tracked.is_doubtful() || tracked.provisional) return false;
   if (!tracked.keyframe.valid() && ++frames_since_mesh_frame_ < kMeshFrameStep) return false;
   frames_since_mesh_frame_ = 0;
   return true;

@@ -10,12 +10,14 @@
 namespace kinloop {
 namespace {
 
-constexpr size_t kFields = 6, kFieldsWithoutSigma = 5;
+constexpr const char* kColumns =
+    "stamp_s status features tracked ms sigma_m cause expected contradicted moved";
+constexpr size_t kFields = 10, kFieldsUntilSigma = 6, kFieldsWithoutSigma = 5;
 
 FrameRow parse_row(const TextLine& line, const std::filesystem::path& path) {
   const size_t fields = line.fields.size();
-  if (fields != kFields && fields != kFieldsWithoutSigma)
-    throw_parse_error(path, line.number, "expected 'stamp status features tracked ms sigma_m'");
+  if (fields != kFields && fields != kFieldsUntilSigma && fields != kFieldsWithoutSigma)
+    throw_parse_error(path, line.number, fmt::format("expected '{}'", kColumns));
   const auto stamp_ns = parse_stamp_ns(line.fields[0]);
   if (!stamp_ns)
     throw_parse_error(path, line.number, fmt::format("'{}' is not a time stamp", line.fields[0]));
@@ -26,21 +28,24 @@ FrameRow parse_row(const TextLine& line, const std::filesystem::path& path) {
     return static_cast<int>(number);
   };
   const auto number = [&](size_t field) { return parse_double(line.fields[field], path, line.number); };
-  return {*stamp_ns,
-          line.fields[1],
-          count(line.fields[2]),
-          count(line.fields[3]),
-          number(4),
-          fields == kFields ? number(5) : 0};
+  FrameRow row{*stamp_ns, line.fields[1], count(line.fields[2]), count(line.fields[3]), number(4)};
+  if (fields >= kFieldsUntilSigma) row.sigma_m = number(5);
+  if (fields == kFieldsUntilSigma || fields == kFieldsWithoutSigma) return row;
+  row.cause = line.fields[6];
+  row.expected = count(line.fields[7]);
+  row.contradicted = number(8);
+  row.moved = number(9);
+  return row;
 }
 
 }  // namespace
 
 void write_frame_table(const std::filesystem::path& path, const FrameTable& table) {
-  std::string text = "# stamp_s status features tracked ms sigma_m\n";
+  std::string text = fmt::format("# {}\n", kColumns);
   for (const FrameRow& row : table) {
-    text += fmt::format("{} {} {} {} {:.3f} {:.6f}\n", format_stamp(row.stamp_ns), row.status, row.features,
-                        row.tracked, row.ms, row.sigma_m);
+    text += fmt::format("{} {} {} {} {:.3f} {:.6f} {} {} {:.3f} {:.3f}\n", format_stamp(row.stamp_ns),
+                        row.status, row.features, row.tracked, row.ms, row.sigma_m, row.cause, row.expected,
+                        row.contradicted, row.moved);
   }
   write_file(path, text);
 }

@@ -241,7 +241,7 @@ json status_of(const SavedRun& run, const std::optional<AteResult>& ate) {
 std::vector<int64_t> doubt_of(std::span<const LoggedFrame> log) {
   std::vector<int64_t> doubt_ns;
   for (const LoggedFrame& entry : log) {
-    if (entry.doubtful || entry.is_lost()) doubt_ns.push_back(entry.stamp_ns);
+    if (entry.is_doubtful() || entry.is_lost()) doubt_ns.push_back(entry.stamp_ns);
   }
   return doubt_ns;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -69,7 +70,8 @@ std::vector<PoseWithCovariance> frames_with_covariance(const Slam& slam, uint32_
   if (keyframes.empty()) return {};
   std::vector<PoseWithCovariance> poses = {keyframes.front()};
   for (const LoggedFrame& frame : slam.session_log()) {
-    if (!is_tracked_in(component, frame, slam.map()) || frame.keyframe.valid() || frame.doubtful) continue;
+    if (!is_tracked_in(component, frame, slam.map()) || frame.keyframe.valid() || frame.is_doubtful())
+      continue;
     poses.push_back({frame.stamp_ns, frame.world(slam.map()), frame.world_covariance});
   }
   return poses;
@@ -157,6 +159,14 @@ void add_latencies(json& summary, const RunOutcome& o) {
     summary["latency_from_stamp_ms"] = latency_json(o.ages_ms);
 }
 
+/// Frames of the trajectory without a measurement of their own.
+long count_predicted(std::span<const LoggedFrame> log, uint32_t component, const Map& map) {
+  return std::count_if(log.begin(), log.end(), [&](const LoggedFrame& frame) {
+    return is_tracked_in(component, frame, map) && !frame.is_doubtful() &&
+           frame.method == TrackingMethod::kPredicted;
+  });
+}
+
 }  // namespace
 
 void add_timings(json& summary, const Timings& slam, const Timings& program) {
@@ -185,6 +195,7 @@ json run_summary(const RunOutcome& o) {
   summary["advice"] = advice_json(o.advisor);
   summary["tracked"] = located - doubtful;
   summary["doubtful"] = doubtful;
+  summary["predicted"] = count_predicted(log, component, o.slam.map());  // of those tracked
   summary["tracked_densely"] = dense_only;
   summary["tracked_in_other_components"] = not_lost - located;  // in components not joined by any loop
   summary["skipped"] = skipped_json(source);                    // the first ones
@@ -264,16 +275,18 @@ std::string summary_text(const json& s) {
                        s["depth_noise_scale"].get<double>(), s["depth_sensor"].get<std::string>());
   }
   std::string text = fmt::format(
-      "frames     {} tracked of {} ({} doubtful, {} in other map components, {} damaged, {} dropped)\n"
+      "frames     {} tracked of {} ({} of them predicted, {} doubtful, {} in other map components, {} "
+      "damaged, {} dropped)\n"
       "keyframes  {}, landmarks {}, loops {}\n"
       "{}"
       "time       {:.1f} s, {:.1f} ms per frame (median), {:.1f} ms (95th percentile)\n"
       "memory     {:.0f} MiB peak\n",
-      s["tracked"].get<long>(), s["frames"].get<long>(), s["doubtful"].get<long>(),
-      s["tracked_in_other_components"].get<long>(), s["skipped_total"].get<size_t>(),
-      s["dropped"].get<long>(), s["keyframes"].get<long>(), s["landmarks"].get<long>(), s["loops"].size(),
-      map, s["wall_s"].get<double>(), s["frame_ms"]["median"].get<double>(),
-      s["frame_ms"]["p95"].get<double>(), s["peak_memory_mib"].get<double>());
+      s["tracked"].get<long>(), s["frames"].get<long>(), s["predicted"].get<long>(),
+      s["doubtful"].get<long>(), s["tracked_in_other_components"].get<long>(),
+      s["skipped_total"].get<size_t>(), s["dropped"].get<long>(), s["keyframes"].get<long>(),
+      s["landmarks"].get<long>(), s["loops"].size(), map, s["wall_s"].get<double>(),
+      s["frame_ms"]["median"].get<double>(), s["frame_ms"]["p95"].get<double>(),
+      s["peak_memory_mib"].get<double>());
   if (!s.contains("evaluation")) return text;
   const json& e = s["evaluation"];
   text += fmt::format("error      ATE {:.4f} m", e["ate"]["rmse_m"].get<double>());

@@ -41,12 +41,13 @@ size_t erase_moved_landmarks(Map& map);
 
 // How far the keyframes of a run may have drifted after the final adjustment.
 
-/// Returns the covariance of the drift of each keyframe, by id, of (translation [m]; rotation [rad]) in its
-/// axes, relative to the first keyframe of its component. The errors of successive keyframes are correlated,
-/// which no residual of the adjustment shows, and so add up along the `steps` of tracking (by id, see
-/// OnlineCovariance::steps), until the camera sees again what it had left: that ties both visits together.
-/// Keyframes without a step, those of loaded maps, are exact.
-std::vector<Matrix6d> drift_covariances(const Map& map, std::span<const std::optional<KeyframeStep>> steps);
+/// Adds to the covariances of the final adjustment (by id, see FinalBundleAdjustment; empty: none) those of
+/// the drift. The errors of successive keyframes are correlated, which no residual of the adjustment shows,
+/// and so add up along the `steps` of tracking (by id, see OnlineCovariance::steps), until the camera sees
+/// again what it had left: that ties both visits together. Where no landmarks tie a part to what was before,
+/// a step alone tells how it lies there. Keyframes without a step, those of loaded maps, are exact.
+std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map,
+                                 std::span<const std::optional<KeyframeStep>> steps);
 
 // The covariances of all poses after the final adjustment.
 
@@ -66,9 +67,10 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
 
 // Gives poses to frames that no measurement holds: between good ones, the camera has not gone far.
 
-/// Returns the log with poses for lost frames between two located ones of one component that are at most 3 s
-/// apart. They are doubtful, and their covariance tells how far the camera may have gone meanwhile, given how
-/// it moves elsewhere in the log (see bridge_motion). Frames before `first` are left as they are.
-FrameLog bridge_lost_frames(FrameLog log, size_t first, const Map& map);
+/// Returns the log with poses for frames that are lost, or whose image was frozen, between two measured ones
+/// of one component that are at most 3 s apart. Their covariance tells how far the camera may have gone
+/// meanwhile, given how it moves elsewhere in the log (see bridge_motion); where the standard deviation of
+/// the position exceeds `max_sigma_m` they are doubtful. Frames before `first` are left as they are.
+FrameLog predict_unmeasured_frames(FrameLog log, size_t first, const Map& map, double max_sigma_m);
 
 }  // namespace kinloop

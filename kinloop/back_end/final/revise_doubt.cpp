@@ -31,7 +31,9 @@ void doubt_jumps(FrameLog& log, size_t first, const Map& map) {
     if (unmeasured(before) || unmeasured(previous) || unmeasured(entry)) continue;
     const uint32_t component = map.keyframe(entry.reference).component;
     if (!is_tracked_in(component, before, map) || !is_tracked_in(component, previous, map)) continue;
-    if (jumps(before, previous, entry, map)) log[i - 1].doubtful = log[i].doubtful = true;
+    if (!jumps(before, previous, entry, map)) continue;
+    doubt(log[i - 1], DoubtCause::kJump);
+    doubt(log[i], DoubtCause::kJump);
   }
 }
 
@@ -72,7 +74,7 @@ std::vector<size_t> lasting_doubt(const FrameLog& log, size_t first) {
   constexpr int64_t kMaxInterval_ns = kNsPerSecond / 2;
   std::vector<size_t> all, lasting;
   for (size_t i = first; i < log.size(); ++i) {
-    if (log[i].doubtful || log[i].is_lost()) all.push_back(i);
+    if (log[i].is_doubtful() || log[i].is_lost()) all.push_back(i);
   }
   const auto is_near_next = [&](size_t k) {
     return k + 1 < all.size() && log[all[k + 1]].stamp_ns - log[all[k]].stamp_ns <= kMaxInterval_ns;
@@ -94,8 +96,8 @@ void extend_doubt(FrameLog& log, size_t first) {
     return conflict[i] > kMinConflict && std::abs(log[i].stamp_ns - log[seed].stamp_ns) <= kMaxDistance_ns;
   };
   for (const size_t seed : lasting_doubt(log, first)) {
-    for (size_t i = seed + 1; i < log.size() && reaches(seed, i); ++i) log[i].doubtful = true;
-    for (size_t i = seed; i-- > first && reaches(seed, i);) log[i].doubtful = true;
+    for (size_t i = seed + 1; i < log.size() && reaches(seed, i); ++i) doubt(log[i], DoubtCause::kNeighbours);
+    for (size_t i = seed; i-- > first && reaches(seed, i);) doubt(log[i], DoubtCause::kNeighbours);
   }
 }
 
@@ -148,19 +150,19 @@ void widen_doubt(FrameLog& log, size_t first, const Map& map) {
   constexpr int64_t kMinLasting_ns = kNsPerSecond / 2, kMaxInterval_ns = kNsPerSecond / 2;
   constexpr int64_t kReach_ns = kNsPerSecond / 2, kMinTrusted_ns = 3 * kNsPerSecond;
   for (const auto& [component, whole] : intervals_of_components(log, first, map)) {
-    std::vector<Interval> doubt;
+    std::vector<Interval> lasting;
     for (size_t i = whole.begin; i < whole.end; ++i) {
-      if (log[i].is_lost() || (log[i].doubtful && is_tracked_in(component, log[i], map)))
-        doubt.push_back({i, i + 1});
+      if (log[i].is_lost() || (log[i].is_doubtful() && is_tracked_in(component, log[i], map)))
+        lasting.push_back({i, i + 1});
     }
-    doubt = joined(log, doubt, kMaxInterval_ns);
-    std::erase_if(doubt, [&](const Interval& interval) {
+    lasting = joined(log, lasting, kMaxInterval_ns);
+    std::erase_if(lasting, [&](const Interval& interval) {
       return interval_ns(log, interval.begin, interval.end - 1) < kMinLasting_ns;
     });
-    for (const Interval& interval : joined(log, doubt, kMinTrusted_ns)) {
+    for (const Interval& interval : joined(log, lasting, kMinTrusted_ns)) {
       const Interval near = widened(log, interval, whole, kReach_ns);
       for (size_t i = near.begin; i < near.end; ++i) {
-        if (is_tracked_in(component, log[i], map)) log[i].doubtful = true;
+        if (is_tracked_in(component, log[i], map)) doubt(log[i], DoubtCause::kNeighbours);
       }
     }
   }

@@ -252,7 +252,11 @@ std::vector<FrameRecord> read_frames(const DatabaseReader& file, const Renumbere
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted())  // not in version 1
       frame.depth_stamp_difference_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));
-    if (!row.exhausted()) frame.doubtful = row.take<int64_t>() != 0;  // not in versions 1 and 2
+    if (!row.exhausted()) {  // not in versions 1 and 2
+      const auto cause = doubt_cause(row.take<int64_t>());
+      if (!cause) return false;
+      if (*cause != DoubtCause::kNone) doubt(frame, *cause);
+    }
     if (!row.exhausted() || (!frames.empty() && frame.id <= frames.back().id)) return false;
     frames.push_back(frame);
     return true;

@@ -140,7 +140,7 @@ void write_frames(DatabaseWriter& file, const std::vector<FrameRecord>& frames) 
                int64_t{frame.keyframe.value}, int64_t{frame.is_repeat()}};
     add_pose(row, frame.T_reference_camera);
     row.emplace_back(static_cast<double>(frame.depth_stamp_difference_s));
-    row.emplace_back(int64_t{frame.doubtful});
+    row.emplace_back(static_cast<int64_t>(frame.trust.cause));
     file.insert(tables::kFrame, id++, row);
   }
 }

@@ -43,7 +43,7 @@ void for_frames_of_trajectory(std::span<const LoggedFrame> log, const Map& map, 
   const uint32_t component = main_component(log, map);
   for (const LoggedFrame& entry : log) {
     if (!is_tracked_in(component, entry, map)) continue;
-    if (entry.doubtful && doubtful == DoubtfulPoses::kLeftOut) continue;
+    if (entry.is_doubtful() && doubtful == DoubtfulPoses::kLeftOut) continue;
     use(entry);
   }
 }
@@ -71,7 +71,7 @@ FrameLog relocalize_lost_frames(FrameLog log, int image_height_px, const FrameSe
     found->frame = entry.lost;
     found->evidence.input = entry.evidence.input;
     // Colour alone supports it, as in the frames around, and no later frame confirms it.
-    if (entry.evidence.input.depth_factor == 0) found->doubtful = true;
+    if (entry.evidence.input.depth_factor == 0) doubt(*found, DoubtCause::kNoDepth);
     entry = log_entry(*found, image_height_px);
   };
   const auto search_near = [&](size_t i, size_t neighbor) {
@@ -145,6 +145,11 @@ uint32_t main_component(std::span<const LoggedFrame> log, const Map& map) {
   return static_cast<uint32_t>(std::max_element(frames.begin(), frames.end()) - frames.begin());
 }
 
+void doubt(FrameRecord& frame, DoubtCause cause) {
+  const bool weighs_more = is_weak_evidence(frame.trust.cause) && !is_weak_evidence(cause);
+  if (cause != DoubtCause::kNone && (!frame.is_doubtful() || weighs_more)) frame.trust.cause = cause;
+}
+
 bool is_tracked_in(uint32_t component, const FrameRecord& frame, const Map& map) {
   return !frame.is_lost() && map.keyframe(frame.reference).component == component;
 }
@@ -168,7 +173,7 @@ std::vector<std::optional<Matrix6d>> covariances_of(std::span<const LoggedFrame>
 long count_doubtful_poses(std::span<const LoggedFrame> log, const Map& map) {
   const uint32_t component = main_component(log, map);
   return std::count_if(log.begin(), log.end(), [&](const LoggedFrame& entry) {
-    return entry.doubtful && is_tracked_in(component, entry, map);
+    return entry.is_doubtful() && is_tracked_in(component, entry, map);
   });
 }
 

@@ -45,23 +45,26 @@ bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const Tracke
                                  contradicted_by_turning(turning_rad_s));
 }
 
-bool is_doubtful(const TrackedFrame& tracked, bool doubtful_before) {
+DoubtCause cause_of_doubt(const TrackedFrame& tracked, bool doubtful_before, double max_sigma_m) {
   // Of the frames of redkitchen, none is contradicted by more than 8 %. Where a camera with a rolling shutter
   // and delayed depth turns fast, up to 36 % of the points are, since the grids are not
   // motion-compensated.
   constexpr double kMaxContradicted = 0.25, kMaxContradictedAfterDoubt = 0.1;
   constexpr double kMaxMoved = 0.5;  // of the image; if it is more, the rest may be what moves
-  constexpr double kMaxDenseSigma_m = 0.02;
   const TrackingEvidence& evidence = tracked.evidence;
   const double max_contradicted = (doubtful_before ? kMaxContradictedAfterDoubt : kMaxContradicted) +
                                   contradicted_by_turning(tracked.velocity.angular_rad_s.norm());
-  if (is_above(evidence.surfaces, max_contradicted) || evidence.moved_share > kMaxMoved) return true;
-  return tracked.method == TrackingMethod::kDense ? position_sigma_m(tracked.covariance) > kMaxDenseSigma_m
-                                                  : evidence.inliers < kMinLandmarks;
+  if (is_above(evidence.surfaces, max_contradicted)) return DoubtCause::kSurfaces;
+  if (evidence.moved_share > kMaxMoved) return DoubtCause::kMoving;
+  if (tracked.method != TrackingMethod::kDense)
+    return evidence.inliers < kMinLandmarks ? DoubtCause::kFewLandmarks : DoubtCause::kNone;
+  return position_sigma_m(tracked.covariance) > max_sigma_m ? DoubtCause::kDrift : DoubtCause::kNone;
 }
 
 bool lacks_scale(const TrackedFrame& tracked, bool lacked_before) {
   if (tracked.evidence.with_depth >= kMinLandmarks) return false;
+  // The motion from the previous frame has the scale of its depth.
+  if (tracked.evidence.inliers < kMinLandmarks) return lacked_before;
   // Where a RealSense sees windows, 350 points or more are consistent.
   const bool surfaces_hold_it = tracked.evidence.surfaces.consistent >= SurfaceAgreement::kMinPoints;
   return lacked_before || (tracked.method != TrackingMethod::kDense && !surfaces_hold_it);

@@ -21,10 +21,11 @@ bool is_confident(const TrackedFrame& found, const Features& features);
 bool contradicts_unexpected_pose(const SurfaceAgreement& agreement, const TrackedFrame& found,
                                  const Frame& frame, double turning_rad_s = 0);
 
-/// Whether a pose is in doubt although it continues the previous one: by what surfaces contradict it, by how
-/// much of the image moves, by how few landmarks support it, or by the uncertainty that dense odometry has
-/// accumulated. Doubt ends only where hardly any surface contradicts the pose. Needs the velocity.
-bool is_doubtful(const TrackedFrame& tracked, bool doubtful_before);
+/// Returns why a pose is in doubt although it continues the previous one; none if it is not: by what surfaces
+/// contradict it, by how much of the image moves, by how few landmarks support it, or because dense odometry
+/// has accumulated a standard deviation of the position of more than `max_sigma_m`. Doubt ends only where
+/// hardly any surface contradicts the pose. Needs the velocity.
+DoubtCause cause_of_doubt(const TrackedFrame& tracked, bool doubtful_before, double max_sigma_m);
 
 /// Whether nothing holds the scale of a pose. Triangulated landmarks do not: others must, or surfaces. Once
 /// it has been lacking, only landmarks of known depth restore it, since surfaces also agree with a reference

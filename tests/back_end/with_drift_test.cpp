@@ -42,19 +42,20 @@ struct Walk {
 
   [[nodiscard]] std::vector<double> sigmas_m() const {
     std::vector<double> sigmas;
-    for (const Matrix6d& covariance : drift_covariances(map, steps))
+    const std::vector<Matrix6d> exact(map.keyframes().size(), Matrix6d::Zero());
+    for (const Matrix6d& covariance : with_drift(exact, map, steps))
       sigmas.push_back(std::sqrt(covariance(1, 1)));
     return sigmas;
   }
 };
 
-TEST(DriftCovariances, AddUpWhereTheCameraSeesNothingAgain) {
+TEST(WithDrift, AddUpWhereTheCameraSeesNothingAgain) {
   const auto sigmas_m = Walk().sigmas_m();
   EXPECT_EQ(sigmas_m[0], 0);
   EXPECT_NEAR(sigmas_m[19] / sigmas_m[1], std::sqrt(19), 0.05);
 }
 
-TEST(DriftCovariances, ARevisitTiesBothVisitsTogether) {
+TEST(WithDrift, ARevisitTiesBothVisitsTogether) {
   const auto open_m = Walk().sigmas_m();
   Walk closed;
   closed.share(0, 19, 100);
@@ -63,13 +64,30 @@ TEST(DriftCovariances, ARevisitTiesBothVisitsTogether) {
   EXPECT_NEAR(closed_m[10] / open_m[10], std::sqrt(0.5), 0.05);  // of two ways of ten steps
 }
 
-TEST(DriftCovariances, NeighboursAreNoRevisits) {
+TEST(WithDrift, NeighboursAreNoRevisits) {
   Walk walk;
   for (uint32_t k = 2; k < kKeyframes; ++k) walk.share(k - 2, k, 100);
   EXPECT_THAT(walk.sigmas_m(), testing::Pointwise(testing::DoubleNear(1e-9), Walk().sigmas_m()));
 }
 
-TEST(DriftCovariances, ALoopTiesComponentsTogether) {
+/// The adjustment holds the first keyframe of such a part constant: what it says is relative to that.
+TEST(WithDrift, APartThatOnlyOdometryTiesHasTheUncertaintyOfThatStep) {
+  Walk walk;
+  constexpr uint32_t kFirst = 10;
+  for (uint32_t i = 0; i < 50; ++i)
+    walk.map.remove_observation(walk.map.keyframe(KeyframeId{kFirst}).landmark_of[50 + i],
+                                {KeyframeId{kFirst}, 50 + i});
+  constexpr double kStepVariance = 1e-2, kAdjustedVariance = 1e-4;
+  walk.steps[kFirst]->covariance(1, 1) = kStepVariance;
+  std::vector<Matrix6d> adjusted(kKeyframes, Matrix6d::Zero());
+  for (uint32_t k = 1; k < kKeyframes; ++k) adjusted[k](1, 1) = k == kFirst ? 0 : kAdjustedVariance;
+  const auto covariances = with_drift(adjusted, walk.map, walk.steps);
+  EXPECT_NEAR(covariances[kFirst - 1](1, 1), kAdjustedVariance, 1e-5);
+  EXPECT_NEAR(covariances[kFirst](1, 1), kAdjustedVariance + kStepVariance, 1e-4);
+  EXPECT_NEAR(covariances[kKeyframes - 1](1, 1), 2 * kAdjustedVariance + kStepVariance, 1e-4);
+}
+
+TEST(WithDrift, ALoopTiesComponentsTogether) {
   Walk walk;
   walk.steps[10] = KeyframeStep{};  // begins a component, which a loop has joined
   EXPECT_EQ(walk.sigmas_m()[10], 0) << "unknown";
@@ -81,7 +99,7 @@ TEST(DriftCovariances, ALoopTiesComponentsTogether) {
   EXPECT_NEAR(walk.sigmas_m()[10], 1e-2, 1e-6);
 }
 
-TEST(DriftCovariances, LoadedKeyframesAreExact) {
+TEST(WithDrift, LoadedKeyframesAreExact) {
   Walk walk;
   for (uint32_t k = 0; k < 10; ++k) walk.steps[k].reset();
   const auto sigmas_m = walk.sigmas_m(), fresh_m = Walk().sigmas_m();
@@ -89,7 +107,7 @@ TEST(DriftCovariances, LoadedKeyframesAreExact) {
   EXPECT_NEAR(sigmas_m[19], fresh_m[10], 1e-9);
 }
 
-TEST(DriftCovariances, StepsOfUnknownCovarianceCountAsExact) {
+TEST(WithDrift, StepsOfUnknownCovarianceCountAsExact) {
   Walk walk;
   walk.steps[5]->covariance.setZero();
   EXPECT_NEAR(walk.sigmas_m()[5], walk.sigmas_m()[4], 1e-5);

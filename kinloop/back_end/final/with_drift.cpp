@@ -7,6 +7,7 @@
 
 #include "kinloop/back_end/final/final_pass.hpp"
 #include "kinloop/loop/correction/correct_loop.hpp"
+#include "kinloop/mapping/bundle_adjustment.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
 namespace kinloop {
@@ -16,6 +17,8 @@ namespace {
 // have. Learned on simulated sequences with seeds 101 to 105, with and without loops
 // (docs/lab/measurements.md#consistency-of-the-covariances).
 constexpr double kLeftByAdjustment = 0.5;
+using Steps = std::span<const std::optional<KeyframeStep>>;
+
 constexpr double kMinVariance = 1e-12;  // m^2 and rad^2: a step of unknown covariance counts as exact
 constexpr int kMinShared = 30;          // landmarks, of a revisit
 
@@ -44,16 +47,23 @@ std::vector<KeyframeId> revisited(const Map& map, KeyframeId keyframe) {
   return {gap, older.end()};
 }
 
-void add_edges(const Map& map, KeyframeId keyframe, const KeyframeStep& step, PoseGraph& graph) {
-  const Matrix6d covariance = kLeftByAdjustment * step.covariance;
+/// The keyframe that begins a part of a component which only a step of odometry ties to what was before.
+bool begins_untied_part(KeyframeId keyframe, KeyframeId oldest_tied_to_it, Steps steps) {
+  return keyframe == oldest_tied_to_it && keyframe.value < steps.size() && steps[keyframe.value] &&
+         steps[keyframe.value]->reference.valid();
+}
+
+void add_edges(const Map& map, KeyframeId keyframe, bool is_adjusted, const KeyframeStep& step,
+               PoseGraph& graph) {
+  const Matrix6d covariance = (is_adjusted ? kLeftByAdjustment : 1) * step.covariance;
   if (step.reference.valid()) graph.edges.push_back(edge_between(map, step.reference, keyframe, covariance));
   for (const KeyframeId other : revisited(map, keyframe))
     graph.edges.push_back(edge_between(map, other, keyframe, covariance));
 }
 
-}  // namespace
-
-std::vector<Matrix6d> drift_covariances(const Map& map, std::span<const std::optional<KeyframeStep>> steps) {
+/// The covariances of the drift, as with_drift adds them.
+std::vector<Matrix6d> drift_covariances(const Map& map, Steps steps,
+                                        const std::vector<KeyframeId>& oldest_tied) {
   PoseGraph graph;
   std::vector<bool> has_first(map.component_count(), false);
   for (const Keyframe& keyframe : map.keyframes()) {
@@ -61,7 +71,9 @@ std::vector<Matrix6d> drift_covariances(const Map& map, std::span<const std::opt
     graph.T_world_vertex.push_back(keyframe.T_world_camera);
     graph.fixed.push_back(is_exact || !has_first[keyframe.component]);
     has_first[keyframe.component] = true;
-    if (!is_exact) add_edges(map, keyframe.id, *steps[keyframe.id.value], graph);
+    if (is_exact) continue;
+    const bool is_adjusted = !begins_untied_part(keyframe.id, oldest_tied[keyframe.id.value], steps);
+    add_edges(map, keyframe.id, is_adjusted, *steps[keyframe.id.value], graph);
   }
   for (const LoopClosure& loop : map.loop_closures())
     graph.edges.push_back({loop.a.value, loop.b.value, loop.T_a_b, loop.information});
@@ -69,6 +81,32 @@ std::vector<Matrix6d> drift_covariances(const Map& map, std::span<const std::opt
   std::iota(all.begin(), all.end(), 0U);
   const auto found = marginal_covariances(graph, all);
   return found ? *found : std::vector<Matrix6d>(all.size(), Matrix6d::Zero());
+}
+
+/// The covariances of an adjustment are relative to the keyframe that it held constant, the oldest of a part:
+/// adds that of this keyframe in the part before.
+std::vector<Matrix6d> relative_to_first(std::vector<Matrix6d> covariance, const Map& map, Steps steps,
+                                        const std::vector<KeyframeId>& oldest_tied) {
+  for (const Keyframe& keyframe : map.keyframes()) {
+    const KeyframeId id = keyframe.id, oldest = oldest_tied[id.value];
+    if (!begins_untied_part(oldest, oldest, steps)) continue;
+    const KeyframeId from = id == oldest ? steps[id.value]->reference : oldest;
+    covariance[id.value] += transported(covariance[from.value], map.relative_pose(from, id));
+  }
+  return covariance;
+}
+
+}  // namespace
+
+std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map, Steps steps) {
+  if (covariance.empty()) return covariance;
+  std::vector<KeyframeId> all;
+  for (const Keyframe& keyframe : map.keyframes()) all.push_back(keyframe.id);
+  const std::vector<KeyframeId> oldest = oldest_tied(map, all);
+  covariance = relative_to_first(std::move(covariance), map, steps, oldest);
+  const std::vector<Matrix6d> drift = drift_covariances(map, steps, oldest);
+  std::transform(covariance.begin(), covariance.end(), drift.begin(), covariance.begin(), std::plus<>());
+  return covariance;
 }
 
 }  // namespace kinloop

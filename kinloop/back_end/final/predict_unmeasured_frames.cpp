@@ -14,9 +14,14 @@ Velocity velocity_noise() {
   return {Eigen::Vector3d::Constant(0.08), Eigen::Vector3d::Constant(0.04)};
 }
 
+/// Whether nothing was measured: the frame is lost, or its image has been that of an earlier one for long.
+bool is_unmeasured(const LoggedFrame& entry) {
+  return entry.is_lost() || (entry.is_repeat() && entry.is_doubtful());
+}
+
 /// Whether an end of a bridge may be here.
 bool is_held(const LoggedFrame& entry) {
-  return !entry.is_lost() && !entry.doubtful;
+  return !entry.is_lost() && !entry.is_doubtful();
 }
 
 MovingCamera moving_camera(const FrameLog& log, size_t i, const Map& map) {
@@ -48,12 +53,12 @@ AccelerationNoise acceleration_noise(const FrameLog& log, size_t first, const Ma
 
 }  // namespace
 
-FrameLog bridge_lost_frames(FrameLog log, size_t first, const Map& map) {
+FrameLog predict_unmeasured_frames(FrameLog log, size_t first, const Map& map, double max_sigma_m) {
   constexpr double kMaxBridge_s = 3;
   std::optional<AccelerationNoise> noise;
-  std::optional<size_t> previous;  // the last frame that is not lost
+  std::optional<size_t> previous;  // the last frame that was measured
   for (size_t i = first; i < log.size(); ++i) {
-    if (log[i].is_lost()) continue;
+    if (is_unmeasured(log[i])) continue;
     const std::optional<size_t> start = std::exchange(previous, i);
     if (!start || *start + 1 == i || !is_held(log[*start]) || !is_held(log[i])) continue;
     if (!is_tracked_in(map.keyframe(log[*start].reference).component, log[i], map)) continue;
@@ -65,11 +70,12 @@ FrameLog bridge_lost_frames(FrameLog log, size_t first, const Map& map) {
       const BridgedPose pose = bridge_motion(before, after, log[k].stamp_ns, *noise, velocity_noise());
       LoggedFrame& entry = log[k];
       entry.outcome = TrackingOutcome::kTracked;
-      entry.method = TrackingMethod::kBridged;
-      entry.doubtful = true;
+      entry.method = TrackingMethod::kPredicted;
       entry.reference = log[*start].reference;
       entry.T_reference_camera = T_reference_world * pose.T_world_camera;
       entry.covariance = pose.covariance;
+      entry.trust = {};
+      if (position_sigma_m(pose.covariance) > max_sigma_m) doubt(entry, DoubtCause::kUnmeasured);
     }
   }
   return log;
