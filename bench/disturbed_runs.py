@@ -12,9 +12,8 @@ from disturb_sequence import disturb, parse_step
 from loop_error import count_false_loops
 from runs import is_unseen
 
-EVERY, EVERY_OPTION = "every", "--every"  # every:6 is every sixth frame: another speed of the camera
-
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
+EVERY = "every"  # every:6 is every sixth frame: another speed of the camera
 
 
 class Bench:
@@ -35,7 +34,7 @@ class Bench:
             if name == "none":
                 copy = sequence
             elif name == EVERY:
-                copy, options = sequence, [*options, EVERY_OPTION, kind.partition(":")[2]]
+                copy, options = sequence, [*options, "--every", kind.partition(":")[2]]
             elif name in DEGRADATIONS:
                 degrade(sequence, copy, name, seed)
             else:

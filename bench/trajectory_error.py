@@ -88,10 +88,14 @@ def count_of(sigmas_m, scale_m):
     return (scale_m**2 / (scale_m**2 + sigmas_m**2)) ** 2
 
 
+def agreement(motion, estimate, truth, sigmas_m, scale_m):
+    """From 1 for a frame without an error to 0 (Geman-McClure)."""
+    return 1 / (1 + errors_m(motion, estimate, truth) ** 2 / (scale_m**2 + sigmas_m**2))
+
+
 def support(motion, estimate, truth, sigmas_m, scale_m):
-    """Frames that agree, those with an error or with a large sigma counted less (Geman-McClure)."""
-    agreement = 1 / (1 + errors_m(motion, estimate, truth) ** 2 / (scale_m**2 + sigmas_m**2))
-    return (count_of(sigmas_m, scale_m) * agreement).sum()
+    """Frames that agree, those with an error or with a large sigma counted less."""
+    return (count_of(sigmas_m, scale_m) * agreement(motion, estimate, truth, sigmas_m, scale_m)).sum()
 
 
 def refine(motion, estimate, truth, sigmas_m):
@@ -99,8 +103,8 @@ def refine(motion, estimate, truth, sigmas_m):
     points, targets = estimate.points().reshape(-1, 3), truth.points().reshape(-1, 3)
     for scale_m in SCALES_M:
         for _ in range(10):
-            agreement = 1 / (1 + errors_m(motion, estimate, truth) ** 2 / (scale_m**2 + sigmas_m**2))
-            motion = fit(points, targets, np.repeat(count_of(sigmas_m, scale_m) * agreement**2, 4))
+            weights = count_of(sigmas_m, scale_m) * agreement(motion, estimate, truth, sigmas_m, scale_m) ** 2
+            motion = fit(points, targets, np.repeat(weights, 4))
     return motion
 
 
@@ -108,7 +112,6 @@ def robust(estimate, truth, sigmas_m=0.0):
     """The alignment on which most frames agree, by their sigmas: those are relative to the first keyframe, so a part of
     the trajectory that claims to be uncertain must not decide where the world is. Hypotheses are those of single
     frames, whose poses are known."""
-    sigmas_m = np.broadcast_to(sigmas_m, len(estimate))
     motions = [least_squares(estimate, truth)]
     for i in np.unique(np.linspace(0, len(estimate) - 1, HYPOTHESES).round().astype(int)):
         rotation = truth.rotations[i] @ estimate.rotations[i].T

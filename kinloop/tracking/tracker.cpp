@@ -325,7 +325,7 @@ TrackedFrame Tracker::with_motion(TrackedFrame tracked, Frame measured, const Se
     const ScopedTimer timer(timings_, "surface evidence");
     tracked.evidence.with_depth = count_with_depth(tracked.matches, local_map_);
     find_moved(tracked, measured);
-    const bool doubtful_before = previous_ && state_.lost_frames == 0 && previous_->is_doubtful();
+    const bool doubtful_before = follows_doubtful_pose();
     tracked.trust = {};
     doubt(tracked, cause_of_doubt(tracked, doubtful_before, options_.max_predicted_sigma_m));
     if (has_low_recall(tracked, *measured.features)) doubt(tracked, DoubtCause::kHidden);
@@ -369,9 +369,14 @@ void Tracker::find_moving(TrackedFrame& tracked, const Sensor& sensor) const {
   tracked.moved = marked_in_either(tracked.moved, moving_points(tracked, earlier, T_earlier_tracked, sensor));
 }
 
+/// Whether the previous frame has a pose that is in doubt.
+bool Tracker::follows_doubtful_pose() const {
+  return previous_ && state_.lost_frames == 0 && previous_->is_doubtful();
+}
+
 /// Whether the pose of the previous frame may be far off: few landmarks supported it, and it is in doubt.
 bool Tracker::follows_weak_pose() const {
-  return previous_ && state_.lost_frames == 0 && previous_->is_doubtful() && has_few_inliers(*previous_);
+  return follows_doubtful_pose() && has_few_inliers(*previous_);
 }
 
 /// Whether few landmarks support a pose that follows such a one.

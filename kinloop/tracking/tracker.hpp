@@ -125,6 +125,7 @@ class Tracker {
   [[nodiscard]] TrackedFrame with_motion_prior(TrackedFrame tracked, const Features& measured,
                                                const Sensor& sensor) const;
   [[nodiscard]] Frame deskewed(Frame measured, const Sensor& sensor, const Velocity& velocity) const;
+  [[nodiscard]] bool follows_doubtful_pose() const;
   [[nodiscard]] bool follows_weak_pose() const;
   [[nodiscard]] bool remains_weak(const TrackedFrame& tracked) const;
   [[nodiscard]] bool follows_previous(const TrackedFrame& tracked) const;

@@ -22,8 +22,8 @@ FrameAtStamp frames_to_read(const OpenMap& open, size_t session, size_t count) {
   for (size_t i = 0; i < open.recorder.image_count(); ++i) with_image.insert(open.recorder.frame_of_image(i));
   std::vector<const LoggedFrame*> candidates;
   for (const LoggedFrame& entry : open.session_log(session)) {
-    if (entry.method == TrackingMethod::kPredicted) continue;
-    if (!entry.is_lost() && !entry.is_doubtful() && !with_image.contains(entry.id))
+    const bool is_trusted = !entry.is_lost() && !entry.is_doubtful();
+    if (is_trusted && entry.method != TrackingMethod::kPredicted && !with_image.contains(entry.id))
       candidates.push_back(&entry);
   }
   FrameAtStamp chosen;

@@ -52,6 +52,8 @@ TEST(MapFile, RoundTripIsBitExact) {
   EXPECT_EQ(again.map.keyframes[3].features->depth_stamp_difference_s,
             saved.map.keyframes[3].features->depth_stamp_difference_s);
   EXPECT_EQ(again.frames[5].depth_stamp_difference_s, saved.frames[5].depth_stamp_difference_s);
+  EXPECT_EQ(again.frames[1].method, TrackingMethod::kRepeat);
+  EXPECT_EQ(again.frames[5].method, TrackingMethod::kPredicted);
   EXPECT_EQ(again.frames[1].trust.cause, DoubtCause::kNone);
   EXPECT_EQ(again.frames[2].trust.cause, DoubtCause::kPlace);
   EXPECT_EQ(again.map.loop_closures[0].information, saved.map.loop_closures[0].information);

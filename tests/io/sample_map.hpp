@@ -108,6 +108,7 @@ inline SavedMap some_saved_map() {
     frame.stamp_ns = 33 * i;
     frame.outcome = TrackingOutcome::kTracked;
     if (i % 3 == 1) frame.method = TrackingMethod::kRepeat;
+    if (i == 5) frame.method = TrackingMethod::kPredicted;
     frame.reference = KeyframeId{i / 3};
     if (i % 3 == 0) frame.keyframe = KeyframeId{i / 3};
     frame.T_reference_camera = some_pose(random);

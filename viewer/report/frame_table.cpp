@@ -30,7 +30,7 @@ FrameRow parse_row(const TextLine& line, const std::filesystem::path& path) {
   const auto number = [&](size_t field) { return parse_double(line.fields[field], path, line.number); };
   FrameRow row{*stamp_ns, line.fields[1], count(line.fields[2]), count(line.fields[3]), number(4)};
   if (fields >= kFieldsUntilSigma) row.sigma_m = number(5);
-  if (fields == kFieldsUntilSigma || fields == kFieldsWithoutSigma) return row;
+  if (fields < kFields) return row;
   row.cause = line.fields[6];
   row.expected = count(line.fields[7]);
   row.contradicted = number(8);

@@ -13,12 +13,12 @@
 namespace kinloop {
 namespace {
 
+using Steps = std::span<const std::optional<KeyframeStep>>;
+
 // Half of the variance that tracking adds: the adjustment averages over views that a single pose does not
 // have. Learned on simulated sequences with seeds 101 to 105, with and without loops
 // (docs/lab/measurements.md#consistency-of-the-covariances).
 constexpr double kLeftByAdjustment = 0.5;
-using Steps = std::span<const std::optional<KeyframeStep>>;
-
 constexpr double kMinVariance = 1e-12;  // m^2 and rad^2: a step of unknown covariance counts as exact
 constexpr int kMinShared = 30;          // landmarks, of a revisit
 

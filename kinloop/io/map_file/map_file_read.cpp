@@ -230,12 +230,13 @@ void read_other_loops(const DatabaseReader& file, const Renumbered& ids, MapData
 }
 
 /// Sets outcome and method from the numbers in the file.
-void set_status(FrameRecord& frame, int64_t status, bool repeat) {
-  constexpr int64_t kTracked = 0, kDense = 1;
+void set_status(FrameRecord& frame, int64_t status, int64_t unmeasured) {
+  constexpr int64_t kTracked = 0, kDense = 1, kPredicted = 2;
   if (status != kTracked && status != kDense) return;
   frame.outcome = TrackingOutcome::kTracked;
   if (status == kDense) frame.method = TrackingMethod::kDense;
-  if (repeat) frame.method = TrackingMethod::kRepeat;
+  if (unmeasured != 0)
+    frame.method = unmeasured == kPredicted ? TrackingMethod::kPredicted : TrackingMethod::kRepeat;
 }
 
 std::vector<FrameRecord> read_frames(const DatabaseReader& file, const Renumbered& ids) {
@@ -248,7 +249,7 @@ std::vector<FrameRecord> read_frames(const DatabaseReader& file, const Renumbere
     const int64_t status = row.take_in<int64_t>(0, kMaxStatus);
     frame.reference = new_id(ids, take_keyframe(row));
     frame.keyframe = new_id(ids, take_keyframe(row));
-    set_status(frame, status, row.take<int64_t>() != 0);
+    set_status(frame, status, row.take<int64_t>());
     frame.T_reference_camera = take_pose(row);
     if (!row.exhausted())  // not in version 1
       frame.depth_stamp_difference_s = static_cast<float>(row.take_in(-kMaxLagS, kMaxLagS));

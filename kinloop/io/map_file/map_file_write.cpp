@@ -130,6 +130,13 @@ int64_t status_number(const FrameRecord& frame) {
   return frame.method == TrackingMethod::kDense ? 1 : 0;
 }
 
+/// What stands in the place of a measurement: 1 = the image repeats the previous one, 2 = prediction; 0 =
+/// nothing.
+int64_t unmeasured_number(const FrameRecord& frame) {
+  if (frame.method == TrackingMethod::kPredicted) return 2;
+  return frame.is_repeat() ? 1 : 0;
+}
+
 void write_frames(DatabaseWriter& file, const std::vector<FrameRecord>& frames) {
   file.create(tables::kFrame, with_pose({"frame", "stamp_ns", "status", "reference", "keyframe", "repeat"},
                                         {"depth_lag_s", "doubtful"}));
@@ -137,7 +144,7 @@ void write_frames(DatabaseWriter& file, const std::vector<FrameRecord>& frames) 
   for (const FrameRecord& frame : frames) {
     Row row = {int64_t{frame.id.value},       frame.stamp_ns,
                status_number(frame),          int64_t{frame.reference.value},
-               int64_t{frame.keyframe.value}, int64_t{frame.is_repeat()}};
+               int64_t{frame.keyframe.value}, unmeasured_number(frame)};
     add_pose(row, frame.T_reference_camera);
     row.emplace_back(static_cast<double>(frame.depth_stamp_difference_s));
     row.emplace_back(static_cast<int64_t>(frame.trust.cause));

@@ -21,8 +21,8 @@ constexpr const char* kLoopEdge = "loop_edge";
 constexpr const char* kOtherLoop = "other_loop";
 constexpr const char* kLandmark = "landmark";  ///< anchor, position in its frame, observations
 constexpr const char* kImage = "image";        ///< frame, rows, cols, colour, depth
-/// frame, stamp, status, reference, keyframe, repeat, pose, lag (since version 2), cause of doubt (since
-/// version 3; 0 or 1 in older files)
+/// frame, stamp, status, reference, keyframe, repeat (2 = predicted), pose, lag (since version 2), cause of
+/// doubt (since version 3; 0 or 1 in older files)
 constexpr const char* kFrame = "frame";
 
 }  // namespace kinloop::map_tables
