@@ -71,7 +71,7 @@ function start(args) {
   const child = { process: process_, text: '' };
   process_.stdout.on('data', (data) => (child.text += data));
   process_.stderr.on('data', (data) => (child.text += data));
-  child.ended = new Promise((resolve) => process_.on('exit', resolve));
+  child.ended = new Promise((resolve) => process_.on('close', resolve));
   child.url = () => until(() => child.text.match(/http:\S+\/[^\s;]*/)?.[0], () => `kinloop tells where to look: ${child.text}`);
   return child;
 }
