@@ -1,7 +1,6 @@
 #include "kinloop/loop/hypotheses.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "kinloop/loop/verification/compare_visits.hpp"
@@ -11,20 +10,6 @@ namespace kinloop {
 namespace {
 
 constexpr size_t kLead = 2;  // keyframes more than those of a place that contradicts
-
-/// The covariances of both loops and the drift between their ends: 2 to 3 % of the path, see drift.cpp.
-struct CycleBound {
-  double translation_m, rotation_rad;
-};
-
-CycleBound cycle_bound(const LoopClosure& x, const LoopClosure& y, double travelled_m) {
-  constexpr double kSigmas = 3;
-  // The information is that of x, y, z and of half the rotation angles.
-  const auto sigma_m = [](const LoopClosure& loop) { return 1 / std::sqrt(loop.information(0, 0)); };
-  const auto sigma_rad = [](const LoopClosure& loop) { return 2 / std::sqrt(loop.information(3, 3)); };
-  return {0.02 + kSigmas * std::hypot(sigma_m(x), sigma_m(y)) + 0.03 * travelled_m,
-          0.01 + kSigmas * std::hypot(sigma_rad(x), sigma_rad(y)) + 0.02 * travelled_m};
-}
 
 LoopClosure inverse(LoopClosure loop) {
   std::swap(loop.a, loop.b);
@@ -41,31 +26,26 @@ std::optional<LoopClosure> directed_as(const LoopClosure& x, const LoopClosure& 
   return std::nullopt;
 }
 
-/// The distances from the ends of a loop to all keyframes.
-struct EndDistances {
-  std::vector<double> from_a_m, from_b_m;
+/// The poses of all keyframes relative to the ends of a loop.
+struct EndPoses {
+  RelativePoses of_a, of_b;
 
-  EndDistances(const Map& map, const LoopClosure& loop)
-      : from_a_m(travelled_distances(map, loop.a)), from_b_m(travelled_distances(map, loop.b)) {}
+  EndPoses(const Map& map, const LoopClosure& loop) : of_a(map, loop.a), of_b(map, loop.b) {}
 };
 
-LoopRelation relate(const Map& map, const LoopClosure& x, const EndDistances& distances,
-                    const LoopClosure& other) {
+LoopRelation relate(const Map& map, const LoopClosure& x, const EndPoses& poses, const LoopClosure& other) {
   const auto y = directed_as(x, other, map);
   if (!y) return LoopRelation::kUnknown;
-  const double travelled_m = distances.from_a_m[y->a.value] + distances.from_b_m[y->b.value];
-  if (!std::isfinite(travelled_m)) return LoopRelation::kUnknown;
-  const auto pose = [&](KeyframeId id) { return map.keyframe(id).T_world_camera; };
-  const SE3 by_x = x.T_a_b * (pose(x.b).inverse() * pose(y->b));
-  const SE3 by_y = (pose(x.a).inverse() * pose(y->a)) * y->T_a_b;
-  const SE3 error = by_x.inverse() * by_y;
-  const CycleBound bound = cycle_bound(x, *y, travelled_m);
-  const double excess =
-      std::max(error.translation.norm() / bound.translation_m, error.angle_rad() / bound.rotation_rad);
-  constexpr double kMaxTravelled_m = 6;  // beyond, agreement says little
-  constexpr double kClearly = 2;
-  if (excess > kClearly) return LoopRelation::kContradict;
-  return excess <= 1 && travelled_m <= kMaxTravelled_m ? LoopRelation::kAgree : LoopRelation::kUnknown;
+  const auto a = poses.of_a.pose_of(y->a), b = poses.of_b.pose_of(y->b);
+  if (!a || !b) return LoopRelation::kUnknown;
+  PredictedView by_x = measured_view(x) * *b;
+  const PredictedView by_y = *a * measured_view(*y);
+  by_x.covariance += by_y.covariance;
+  if (!is_explained(by_x, by_y.T_reference_camera)) return LoopRelation::kContradict;
+  // Where the cycle is uncertain, false loops agree as well.
+  constexpr double kMaxSigma_m = 0.06;
+  return expected_error(by_x.covariance).translation_m <= kMaxSigma_m ? LoopRelation::kAgree
+                                                                      : LoopRelation::kUnknown;
 }
 
 bool is_usable(const Map& map, const LoopClosure& loop) {
@@ -85,7 +65,7 @@ LoopClosure as(LoopClosure loop, LoopStage stage, LoopReason reason) {
 }  // namespace
 
 LoopRelation relate(const Map& map, const LoopClosure& x, const LoopClosure& y) {
-  return relate(map, x, EndDistances(map, x), y);
+  return relate(map, x, EndPoses(map, x), y);
 }
 
 bool fits_map(const Map& map, const LoopClosure& loop) {
@@ -153,7 +133,7 @@ void LoopHypotheses::forget_withdrawn(const Map& map) {
 LoopHypotheses::Group LoopHypotheses::group_of(size_t index, const Map& map) const {
   constexpr double kNearby_m = 3;  // along the path: of the same visit
   const LoopClosure& x = waiting_[index].verified.loop;
-  const EndDistances distances(map, x);
+  const EndPoses poses(map, x);
   Group group;
   const auto take = [&](const LoopClosure& y) {
     group.keyframes.insert(y.b);
@@ -161,18 +141,18 @@ LoopHypotheses::Group LoopHypotheses::group_of(size_t index, const Map& map) con
   };
   for (size_t i = 0; i < waiting_.size(); ++i) {
     const LoopClosure& y = waiting_[i].verified.loop;
-    const LoopRelation relation = i == index ? LoopRelation::kAgree : relate(map, x, distances, y);
+    const LoopRelation relation = i == index ? LoopRelation::kAgree : relate(map, x, poses, y);
     if (relation == LoopRelation::kAgree) {
       group.waiting.push_back(i);
       take(y);
     } else if (relation == LoopRelation::kContradict &&
-               std::min(distances.from_a_m[y.b.value], distances.from_b_m[y.b.value]) < kNearby_m) {
+               std::min(poses.of_a.path_length_m(y.b), poses.of_b.path_length_m(y.b)) < kNearby_m) {
       group.rivals.push_back(i);
       group.rival_keyframes.insert(y.b);
     }
   }
   for (const LoopClosure& y : map.loop_closures()) {
-    if (distances.from_b_m[y.b.value] < kNearby_m && relate(map, x, distances, y) == LoopRelation::kAgree)
+    if (poses.of_b.path_length_m(y.b) < kNearby_m && relate(map, x, poses, y) == LoopRelation::kAgree)
       take(y);
   }
   return group;
@@ -190,18 +170,18 @@ const RoomComparison* LoopHypotheses::rooms_of(const Group& group) const {
 /// Whether a loop would place the beginning of one component where the camera cannot have moved from the
 /// other in time.
 bool LoopHypotheses::is_out_of_reach(const LoopClosure& loop, const Map& map) const {
-  constexpr double kDriftPerMetre = 0.03;  // as in cycle_bound
   const auto is_beyond = [&](const LoopClosure& l, const Beginning& beginning) {
     const auto& [first_id, before] = beginning;
     const Keyframe& first = map.keyframe(first_id);
     const uint32_t from = map.keyframe(before.pose.reference).component;
     if (first.component != map.keyframe(l.b).component || from != map.keyframe(l.a).component) return false;
-    const double travelled_m = travelled_distances(map, l.a)[before.pose.reference.value];
-    if (!std::isfinite(travelled_m)) return false;
+    const auto predicted = RelativePoses(map, l.a).pose_of(before.pose.reference);
+    if (!predicted) return false;
     const Eigen::Vector3d p_world_a =
         T_world_a_world_b(l, map.keyframe(l.a).T_world_camera, map.keyframe(l.b).T_world_camera) *
         first.T_world_camera.translation;
-    return !can_reach(before, map, p_world_a, first.stamp_ns, kDriftPerMetre * travelled_m);
+    return !can_reach(before, map, p_world_a, first.stamp_ns,
+                      largest_error(predicted->covariance).translation_m);
   };
   return std::any_of(beginnings_.begin(), beginnings_.end(), [&](const Beginning& beginning) {
     return is_beyond(loop, beginning) || is_beyond(inverse(loop), beginning);

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "kinloop/belief/reach.hpp"
 #include "kinloop/loop/verification/compare_visits.hpp"
 #include "kinloop/loop/verification/verify_loop.hpp"
 #include "kinloop/map/map.hpp"
-#include "kinloop/tracking/motion/reach.hpp"
 
 namespace kinloop {
 

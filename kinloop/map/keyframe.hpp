@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "kinloop/core/ids.hpp"
@@ -10,6 +11,13 @@
 #include "kinloop/sensor/surfaces/surface_grid.hpp"
 
 namespace kinloop {
+
+/// The step of odometry to a keyframe.
+struct OdometryStep {
+  KeyframeId reference;  ///< the keyframe that it was tracked against; invalid for the first of a component
+  /// Of x = (translation [m]; rotation [rad]), where the true pose is T_reference_keyframe * exp(x).
+  Matrix6d covariance = Matrix6d::Zero();
+};
 
 /// A frame kept in the map. `landmark_of` has one entry per keypoint, an invalid id if it observes no
 /// landmark.
@@ -24,6 +32,7 @@ struct Keyframe {
   SE3 T_world_camera;
   std::shared_ptr<const Features> features;
   std::vector<LandmarkId> landmark_of;
+  std::optional<OdometryStep> odometry = {};            ///< nullopt in a loaded map
   std::shared_ptr<const KeypointPatches> patches = {};  ///< null in a loaded map
   std::shared_ptr<const SurfaceGrid> surfaces = {};     ///< null in a loaded map, see restore_surfaces
 };

@@ -256,6 +256,10 @@ void Map::set_patches(KeyframeId id, KeypointPatches patches) {
   keyframe.patches = std::make_shared<const KeypointPatches>(std::move(patches));
 }
 
+void Map::set_odometry(KeyframeId id, const OdometryStep& step) {
+  keyframe_ref(id).odometry = step;
+}
+
 void Map::set_visit(KeyframeId id, uint32_t visit) {
   require(visit < component_count_, "set_visit: no such visit");
   keyframe_ref(id).visit = visit;

@@ -97,6 +97,9 @@ class Map {
   /// Stores image patches of the keypoints of a keyframe.
   void set_patches(KeyframeId id, KeypointPatches patches);
 
+  /// Stores how a keyframe follows from the one that it was tracked against.
+  void set_odometry(KeyframeId id, const OdometryStep& step);
+
   /// Says in which visit a keyframe was made, one of those of its component.
   void set_visit(KeyframeId id, uint32_t visit);
 

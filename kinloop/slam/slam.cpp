@@ -197,7 +197,7 @@ void Slam::insert_keyframe(TrackedFrame& tracked) {
   } else if (place_.visit) {
     map_.set_visit(tracked.keyframe, *place_.visit);
   }
-  online_covariance_.add_keyframe(tracked);
+  map_.set_odometry(tracked.keyframe, online_covariance_.add_keyframe(tracked));
   places_.add(map_.keyframe(tracked.keyframe));
   keyframe_memory_.apply_limit(map_);
   map_changed_ = true;
@@ -301,8 +301,7 @@ Trajectory Slam::finish(const Progress& progress) {
     auto adjusted =
         final_bundle_adjustment(map_, log_, sensor_estimate_, back_end_options(options_), progress);
     sensor_estimate_ = std::move(adjusted.sensor);
-    keyframe_covariance_ =
-        with_drift(std::move(adjusted.keyframe_covariance), map_, online_covariance_.steps());
+    keyframe_covariance_ = with_drift(std::move(adjusted.keyframe_covariance), map_);
     map_.advance_epoch();
     timings_.add("final bundle adjustment", adjusting.elapsed());
   }

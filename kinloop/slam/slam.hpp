@@ -13,12 +13,12 @@
 
 #include "kinloop/back_end/back_end.hpp"
 #include "kinloop/back_end/final/refine_frames.hpp"
+#include "kinloop/belief/online_covariance.hpp"
 #include "kinloop/core/progress.hpp"
 #include "kinloop/core/timings.hpp"
 #include "kinloop/loop/recognition/place_recognition.hpp"
 #include "kinloop/map/frames/frame_log.hpp"
 #include "kinloop/map/frames/odometry_frame.hpp"
-#include "kinloop/map/frames/online_covariance.hpp"
 #include "kinloop/map/keyframe_memory.hpp"
 #include "kinloop/map/saved_map.hpp"
 #include "kinloop/mapping/mapper.hpp"

@@ -6,10 +6,10 @@
 #include <functional>
 #include <optional>
 
+#include "kinloop/belief/reach.hpp"
 #include "kinloop/core/timings.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
-#include "kinloop/tracking/motion/reach.hpp"
 
 namespace kinloop {
 

@@ -62,6 +62,21 @@ TEST_F(UnmeasuredFrames, OfAFrozenImageDoNotKeepItsPose) {
   EXPECT_FALSE(log_[55].is_doubtful());
 }
 
+TEST_F(UnmeasuredFrames, ConfirmARecognizedPlaceThatTheyExplain) {
+  const LoggedFrame right = log_[55];
+  lose(40, 70);
+  for (const double off_m : {0.01, 0.5}) {
+    log_[55] = right;
+    log_[55].T_reference_camera.translation.y() += off_m;
+    doubt(log_[55], DoubtCause::kPlace);
+    const FrameLog log = predicted();
+    EXPECT_EQ(log[55].is_doubtful(), off_m > 0.1);
+    EXPECT_NEAR(log[55].world(map_).translation.y(), off_m, 1e-9) << "measured, not predicted";
+    EXPECT_EQ(log[54].method, TrackingMethod::kPredicted);
+    EXPECT_TRUE(predicted(0, 1e-3)[55].is_doubtful()) << "the prediction itself is uncertain";
+  }
+}
+
 TEST_F(UnmeasuredFrames, ACameraThatShakesMayHaveGoneFarther) {
   lose(40, 70);
   const double steady_m = position_sigma_m(predicted()[55].covariance);

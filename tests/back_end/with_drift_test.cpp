@@ -16,18 +16,25 @@ std::shared_ptr<const Features> some_features(size_t count) {
   return std::make_shared<const Features>(std::move(features));
 }
 
+/// Of the sideways positions of an exact adjustment, by keyframe.
+std::vector<double> sigmas_m(const Map& map) {
+  std::vector<double> sigmas;
+  const std::vector<Matrix6d> exact(map.keyframes().size(), Matrix6d::Zero());
+  for (const Matrix6d& covariance : with_drift(exact, map)) sigmas.push_back(std::sqrt(covariance(1, 1)));
+  return sigmas;
+}
+
 /// Keyframes one metre apart, each tracked against the one before. All share landmarks with their neighbour.
 struct Walk {
   Map map;
-  std::vector<std::optional<KeyframeStep>> steps;
 
   Walk() {
     const auto features = some_features(200);
     for (uint32_t k = 0; k < kKeyframes; ++k) {
       map.add_keyframe(FrameId{k}, k, SE3{Eigen::Quaterniond::Identity(), {1.0 * k, 0, 0}}, features);
-      KeyframeStep step{k == 0 ? KeyframeId{} : KeyframeId{k - 1}, kVariance * Matrix6d::Identity()};
+      OdometryStep step{k == 0 ? KeyframeId{} : KeyframeId{k - 1}, kVariance * Matrix6d::Identity()};
       step.covariance.bottomRightCorner<3, 3>() *= 1e-6;  // so that positions alone add up
-      steps.emplace_back(step);
+      map.set_odometry(KeyframeId{k}, step);
       if (k > 0) share(k - 1, k, 0);
     }
   }
@@ -40,13 +47,7 @@ struct Walk {
     }
   }
 
-  [[nodiscard]] std::vector<double> sigmas_m() const {
-    std::vector<double> sigmas;
-    const std::vector<Matrix6d> exact(map.keyframes().size(), Matrix6d::Zero());
-    for (const Matrix6d& covariance : with_drift(exact, map, steps))
-      sigmas.push_back(std::sqrt(covariance(1, 1)));
-    return sigmas;
-  }
+  [[nodiscard]] std::vector<double> sigmas_m() const { return kinloop::sigmas_m(map); }
 };
 
 TEST(WithDrift, AddUpWhereTheCameraSeesNothingAgain) {
@@ -78,10 +79,12 @@ TEST(WithDrift, APartThatOnlyOdometryTiesHasTheUncertaintyOfThatStep) {
     walk.map.remove_observation(walk.map.keyframe(KeyframeId{kFirst}).landmark_of[50 + i],
                                 {KeyframeId{kFirst}, 50 + i});
   constexpr double kStepVariance = 1e-2, kAdjustedVariance = 1e-4;
-  walk.steps[kFirst]->covariance(1, 1) = kStepVariance;
+  OdometryStep step = *walk.map.keyframe(KeyframeId{kFirst}).odometry;
+  step.covariance(1, 1) = kStepVariance;
+  walk.map.set_odometry(KeyframeId{kFirst}, step);
   std::vector<Matrix6d> adjusted(kKeyframes, Matrix6d::Zero());
   for (uint32_t k = 1; k < kKeyframes; ++k) adjusted[k](1, 1) = k == kFirst ? 0 : kAdjustedVariance;
-  const auto covariances = with_drift(adjusted, walk.map, walk.steps);
+  const auto covariances = with_drift(adjusted, walk.map);
   EXPECT_NEAR(covariances[kFirst - 1](1, 1), kAdjustedVariance, 1e-5);
   EXPECT_NEAR(covariances[kFirst](1, 1), kAdjustedVariance + kStepVariance, 1e-4);
   EXPECT_NEAR(covariances[kKeyframes - 1](1, 1), 2 * kAdjustedVariance + kStepVariance, 1e-4);
@@ -89,7 +92,7 @@ TEST(WithDrift, APartThatOnlyOdometryTiesHasTheUncertaintyOfThatStep) {
 
 TEST(WithDrift, ALoopTiesComponentsTogether) {
   Walk walk;
-  walk.steps[10] = KeyframeStep{};  // begins a component, which a loop has joined
+  walk.map.set_odometry(KeyframeId{10}, {});  // begins a component, which a loop has joined
   EXPECT_EQ(walk.sigmas_m()[10], 0) << "unknown";
   walk.map.add_loop_closure({.a = KeyframeId{0},
                              .b = KeyframeId{10},
@@ -100,16 +103,19 @@ TEST(WithDrift, ALoopTiesComponentsTogether) {
 }
 
 TEST(WithDrift, LoadedKeyframesAreExact) {
-  Walk walk;
-  for (uint32_t k = 0; k < 10; ++k) walk.steps[k].reset();
-  const auto sigmas_m = walk.sigmas_m(), fresh_m = Walk().sigmas_m();
-  for (uint32_t k = 0; k < 10; ++k) EXPECT_EQ(sigmas_m[k], 0) << k;
-  EXPECT_NEAR(sigmas_m[19], fresh_m[10], 1e-9);
+  const Walk fresh;
+  MapData data = fresh.map.data();
+  for (uint32_t k = 0; k < 10; ++k) data.keyframes[k].odometry.reset();
+  Map map;
+  map.append(std::move(data));
+  const auto partly_m = sigmas_m(map), fresh_m = fresh.sigmas_m();
+  for (uint32_t k = 0; k < 10; ++k) EXPECT_EQ(partly_m[k], 0) << k;
+  EXPECT_NEAR(partly_m[19], fresh_m[10], 1e-9);
 }
 
 TEST(WithDrift, StepsOfUnknownCovarianceCountAsExact) {
   Walk walk;
-  walk.steps[5]->covariance.setZero();
+  walk.map.set_odometry(KeyframeId{5}, {KeyframeId{4}});
   EXPECT_NEAR(walk.sigmas_m()[5], walk.sigmas_m()[4], 1e-5);
 }
 

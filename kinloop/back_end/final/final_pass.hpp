@@ -1,15 +1,12 @@
 #pragma once
 // What a run does at its end, when no further frame comes.
 
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "kinloop/back_end/options.hpp"
 #include "kinloop/back_end/self_calibration.hpp"
 #include "kinloop/core/progress.hpp"
 #include "kinloop/map/frames/frame_log.hpp"
-#include "kinloop/map/frames/online_covariance.hpp"
 #include "kinloop/map/map.hpp"
 #include "kinloop/sensor/sensor_estimate.hpp"
 
@@ -43,11 +40,10 @@ size_t erase_moved_landmarks(Map& map);
 
 /// Adds to the covariances of the final adjustment (by id, see FinalBundleAdjustment; empty: none) those of
 /// the drift. The errors of successive keyframes are correlated, which no residual of the adjustment shows,
-/// and so add up along the `steps` of tracking (by id, see OnlineCovariance::steps), until the camera sees
+/// and so add up along the steps of odometry, until the camera sees
 /// again what it had left: that ties both visits together. Where no landmarks tie a part to what was before,
 /// a step alone tells how it lies there. Keyframes without a step, those of loaded maps, are exact.
-std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map,
-                                 std::span<const std::optional<KeyframeStep>> steps);
+std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map);
 
 // The covariances of all poses after the final adjustment.
 
@@ -70,7 +66,8 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
 /// Returns the log with poses for frames that are lost, or whose image was frozen, between two measured ones
 /// of one component that are at most 3 s apart. Their covariance tells how far the camera may have gone
 /// meanwhile, given how it moves elsewhere in the log (see bridge_motion); where the standard deviation of
-/// the position exceeds `max_sigma_m` they are doubtful. Frames before `first` are left as they are.
+/// the position exceeds `max_sigma_m` they are doubtful. Where it does not, a recognized place that no later
+/// frame has confirmed is confirmed if the prediction explains it. Frames before `first` are left as they are.
 FrameLog predict_unmeasured_frames(FrameLog log, size_t first, const Map& map, double max_sigma_m);
 
 }  // namespace kinloop

@@ -1,6 +1,6 @@
 #include "kinloop/back_end/final/final_pass.hpp"
-#include "kinloop/map/frames/online_covariance.hpp"
-#include "kinloop/map/frames/pose_scatter.hpp"
+#include "kinloop/belief/online_covariance.hpp"
+#include "kinloop/belief/pose_scatter.hpp"
 
 namespace kinloop {
 namespace {

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "kinloop/back_end/final/final_pass.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/geometry/velocity.hpp"
 #include "kinloop/map/frames/frame_velocities.hpp"
@@ -17,6 +18,11 @@ Velocity velocity_noise() {
 /// Whether nothing was measured: the frame is lost, or its image has been that of an earlier one for long.
 bool is_unmeasured(const LoggedFrame& entry) {
   return entry.is_lost() || (entry.is_repeat() && entry.is_doubtful());
+}
+
+/// Whether the place was recognized, and no later frame has confirmed it.
+bool is_unconfirmed(const LoggedFrame& entry) {
+  return entry.trust.cause == DoubtCause::kPlace;
 }
 
 /// Whether an end of a bridge may be here.
@@ -58,24 +64,32 @@ FrameLog predict_unmeasured_frames(FrameLog log, size_t first, const Map& map, d
   std::optional<AccelerationNoise> noise;
   std::optional<size_t> previous;  // the last frame that was measured
   for (size_t i = first; i < log.size(); ++i) {
-    if (is_unmeasured(log[i])) continue;
+    if (is_unmeasured(log[i]) || is_unconfirmed(log[i])) continue;
     const std::optional<size_t> start = std::exchange(previous, i);
     if (!start || *start + 1 == i || !is_held(log[*start]) || !is_held(log[i])) continue;
-    if (!is_tracked_in(map.keyframe(log[*start].reference).component, log[i], map)) continue;
+    const uint32_t component = map.keyframe(log[*start].reference).component;
+    if (!is_tracked_in(component, log[i], map)) continue;
     if (to_seconds(log[i].stamp_ns - log[*start].stamp_ns) > kMaxBridge_s) continue;
     if (!noise) noise = acceleration_noise(log, first, map);
     const MovingCamera before = moving_camera(log, *start, map), after = moving_camera(log, i, map);
     const SE3 T_reference_world = map.keyframe(log[*start].reference).T_world_camera.inverse();
     for (size_t k = *start + 1; k < i; ++k) {
       const BridgedPose pose = bridge_motion(before, after, log[k].stamp_ns, *noise, velocity_noise());
+      const bool is_certain = position_sigma_m(pose.covariance) <= max_sigma_m;
       LoggedFrame& entry = log[k];
+      if (is_unconfirmed(entry)) {
+        const PredictedView predicted{pose.T_world_camera, pose.covariance};
+        if (is_certain && is_tracked_in(component, entry, map) && is_explained(predicted, entry.world(map)))
+          entry.trust = {};
+        continue;
+      }
       entry.outcome = TrackingOutcome::kTracked;
       entry.method = TrackingMethod::kPredicted;
       entry.reference = log[*start].reference;
       entry.T_reference_camera = T_reference_world * pose.T_world_camera;
       entry.covariance = pose.covariance;
       entry.trust = {};
-      if (position_sigma_m(pose.covariance) > max_sigma_m) doubt(entry, DoubtCause::kUnmeasured);
+      if (!is_certain) doubt(entry, DoubtCause::kUnmeasured);
     }
   }
   return log;

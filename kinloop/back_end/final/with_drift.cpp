@@ -6,14 +6,13 @@
 #include <Eigen/Cholesky>
 
 #include "kinloop/back_end/final/final_pass.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/loop/correction/correct_loop.hpp"
 #include "kinloop/mapping/bundle_adjustment.hpp"
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 
 namespace kinloop {
 namespace {
-
-using Steps = std::span<const std::optional<KeyframeStep>>;
 
 // Half of the variance that tracking adds: the adjustment averages over views that a single pose does not
 // have. Learned on simulated sequences with seeds 101 to 105, with and without loops
@@ -48,12 +47,11 @@ std::vector<KeyframeId> revisited(const Map& map, KeyframeId keyframe) {
 }
 
 /// The keyframe that begins a part of a component which only a step of odometry ties to what was before.
-bool begins_untied_part(KeyframeId keyframe, KeyframeId oldest_tied_to_it, Steps steps) {
-  return keyframe == oldest_tied_to_it && keyframe.value < steps.size() && steps[keyframe.value] &&
-         steps[keyframe.value]->reference.valid();
+bool begins_untied_part(const Keyframe& keyframe, KeyframeId oldest_tied_to_it) {
+  return keyframe.id == oldest_tied_to_it && keyframe.odometry && keyframe.odometry->reference.valid();
 }
 
-void add_edges(const Map& map, KeyframeId keyframe, bool is_adjusted, const KeyframeStep& step,
+void add_edges(const Map& map, KeyframeId keyframe, bool is_adjusted, const OdometryStep& step,
                PoseGraph& graph) {
   const Matrix6d covariance = (is_adjusted ? kLeftByAdjustment : 1) * step.covariance;
   if (step.reference.valid()) graph.edges.push_back(edge_between(map, step.reference, keyframe, covariance));
@@ -62,18 +60,17 @@ void add_edges(const Map& map, KeyframeId keyframe, bool is_adjusted, const Keyf
 }
 
 /// The covariances of the drift, as with_drift adds them.
-std::vector<Matrix6d> drift_covariances(const Map& map, Steps steps,
-                                        const std::vector<KeyframeId>& oldest_tied) {
+std::vector<Matrix6d> drift_covariances(const Map& map, const std::vector<KeyframeId>& oldest_tied) {
   PoseGraph graph;
   std::vector<bool> has_first(map.component_count(), false);
   for (const Keyframe& keyframe : map.keyframes()) {
-    const bool is_exact = keyframe.id.value >= steps.size() || !steps[keyframe.id.value];
+    const bool is_exact = !keyframe.odometry;
     graph.T_world_vertex.push_back(keyframe.T_world_camera);
     graph.fixed.push_back(is_exact || !has_first[keyframe.component]);
     has_first[keyframe.component] = true;
     if (is_exact) continue;
-    const bool is_adjusted = !begins_untied_part(keyframe.id, oldest_tied[keyframe.id.value], steps);
-    add_edges(map, keyframe.id, is_adjusted, *steps[keyframe.id.value], graph);
+    const bool is_adjusted = !begins_untied_part(keyframe, oldest_tied[keyframe.id.value]);
+    add_edges(map, keyframe.id, is_adjusted, *keyframe.odometry, graph);
   }
   for (const LoopClosure& loop : map.loop_closures())
     graph.edges.push_back({loop.a.value, loop.b.value, loop.T_a_b, loop.information});
@@ -85,12 +82,12 @@ std::vector<Matrix6d> drift_covariances(const Map& map, Steps steps,
 
 /// The covariances of an adjustment are relative to the keyframe that it held constant, the oldest of a part:
 /// adds that of this keyframe in the part before.
-std::vector<Matrix6d> relative_to_first(std::vector<Matrix6d> covariance, const Map& map, Steps steps,
+std::vector<Matrix6d> relative_to_first(std::vector<Matrix6d> covariance, const Map& map,
                                         const std::vector<KeyframeId>& oldest_tied) {
   for (const Keyframe& keyframe : map.keyframes()) {
     const KeyframeId id = keyframe.id, oldest = oldest_tied[id.value];
-    if (!begins_untied_part(oldest, oldest, steps)) continue;
-    const KeyframeId from = id == oldest ? steps[id.value]->reference : oldest;
+    if (!begins_untied_part(map.keyframe(oldest), oldest)) continue;
+    const KeyframeId from = id == oldest ? keyframe.odometry->reference : oldest;
     covariance[id.value] += transported(covariance[from.value], map.relative_pose(from, id));
   }
   return covariance;
@@ -98,13 +95,13 @@ std::vector<Matrix6d> relative_to_first(std::vector<Matrix6d> covariance, const 
 
 }  // namespace
 
-std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map, Steps steps) {
+std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map) {
   if (covariance.empty()) return covariance;
   std::vector<KeyframeId> all;
   for (const Keyframe& keyframe : map.keyframes()) all.push_back(keyframe.id);
   const std::vector<KeyframeId> oldest = oldest_tied(map, all);
-  covariance = relative_to_first(std::move(covariance), map, steps, oldest);
-  const std::vector<Matrix6d> drift = drift_covariances(map, steps, oldest);
+  covariance = relative_to_first(std::move(covariance), map, oldest);
+  const std::vector<Matrix6d> drift = drift_covariances(map, oldest);
   std::transform(covariance.begin(), covariance.end(), drift.begin(), covariance.begin(), std::plus<>());
   return covariance;
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/core/random.hpp"
-#include "kinloop/loop/correction/drift.hpp"
 #include "kinloop/loop/recognition/recognize_place.hpp"
 #include "kinloop/loop/verification/relative_scale.hpp"
 #include "kinloop/map/frames/frame_log.hpp"
@@ -30,10 +30,8 @@ bool shows_place_of(const TrackedFrame& found, KeyframeId keyframe, const Map& m
 
 /// Whether drift of the map explains the difference between two poses of one frame.
 bool agree(const TrackedFrame& a, const TrackedFrame& b, const Map& map) {
-  const double travelled_m = travelled_distances(map, a.reference)[b.reference.value];
-  const auto predicted = predict_view(map, a.reference, b.reference, travelled_m);
-  return predicted &&
-         is_explained_by_drift(*predicted, a.T_reference_camera * b.T_reference_camera.inverse());
+  const auto predicted = RelativePoses(map, a.reference).pose_of(b.reference);
+  return predicted && is_explained(*predicted, a.T_reference_camera * b.T_reference_camera.inverse());
 }
 
 /// Whether so many more landmarks agree with one pose of a frame that the other is a chance.
@@ -236,11 +234,11 @@ LoopVerificationProblem PlaceRecognition::find_loops(const Map& map, KeyframeId 
   const Keyframe& keyframe = map.keyframe(id);
   LoopVerificationProblem problem = make_loop_verification_problem(keyframe);
   if (candidates.empty()) return problem;
-  const auto travelled_m = travelled_distances(map, id);
+  const RelativePoses poses(map, id);
   const uint64_t seed = hash(options.seed, keyframe.frame.value);
   for (const KeyframeId candidate : candidates) {
     const Keyframe& reference = map.keyframe(candidate);
-    const auto predicted = predict_view(map, candidate, id, travelled_m[candidate.value]);
+    const auto predicted = poses.seen_from(candidate);
     if (predicted &&
         !may_overlap(*reference.features, *predicted, sensor.camera, options.tracking.pnp.min_inliers))
       continue;

@@ -20,13 +20,14 @@ struct ExpectedPoints {
 
 ExpectedPoints expected_points(const Features& features, const PredictedView& predicted,
                                const PinholeCamera& camera) {
+  const ErrorMagnitude error = largest_error(predicted.covariance);
   ExpectedPoints expected;
   for (uint32_t i = 0; i < features.size(); ++i) {
     const auto seen = reproject(features, i, predicted.T_reference_camera, camera, 0);
     if (!seen) continue;
     const int level =
         features.levels[i] + static_cast<int>(std::lround(seen->level_step(features.scale_factor)));
-    const double radius_px = camera.fx * direction_bound_rad(predicted.bound, seen->p_view);
+    const double radius_px = camera.fx * displaced_rad(error, seen->p_view);
     expected.projected.push_back({seen->pixel, radius_px, seen->p_view.z(), level - 1, level + 1,
                                   features.descriptors.ptr<uint8_t>(static_cast<int>(i))});
     expected.p_camera.push_back(seen->p_source);
@@ -78,7 +79,7 @@ std::optional<AlignedViews> align_views(const View& reference, const View& view,
       solve_absolute_pose(sensor, observations, predicted.T_reference_camera.inverse(), kPose);
   if (!solution) return std::nullopt;
   const SE3 T_reference_camera = solution->T_reference_camera.inverse();
-  if (!is_explained_by_drift(predicted, T_reference_camera)) return std::nullopt;
+  if (!is_explained(predicted, T_reference_camera)) return std::nullopt;
   return AlignedViews{T_reference_camera,
                       scale_of({reference, view, expected, matches}, T_reference_camera, sensor)};
 }

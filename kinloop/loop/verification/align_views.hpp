@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/geometry/se3.hpp"
-#include "kinloop/loop/correction/drift.hpp"
 #include "kinloop/loop/verification/view_checks.hpp"
 #include "kinloop/sensor/sensor.hpp"
 

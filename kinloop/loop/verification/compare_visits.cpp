@@ -1,19 +1,16 @@
 #include "kinloop/loop/verification/compare_visits.hpp"
 
+#include <cmath>
+
 #include "kinloop/loop/verification/align_views.hpp"
 
 namespace kinloop {
 namespace {
 
-constexpr double kSigma_m = 0.01, kDriftPerMetre = 0.0075;  // 1 sigma, of the relative position
+constexpr double kLoopSigma_m = 0.01;  // of the position that a group of loops measures
 
 View seen_by(const KeyframeView& view) {
   return {*view.features, view.surfaces.get()};
-}
-
-/// 2 to 3 % of the path, see drift.cpp.
-DriftBound drift_away_from_loop(double away_m) {
-  return {0.05 + 0.03 * away_m, 0.03 + 0.02 * away_m};
 }
 
 /// Each view of the component of `loop.b` with the nearest one of the component of `loop.a`.
@@ -38,8 +35,8 @@ RoomComparison compare_room(const std::vector<OverlappingViews>& overlapping, Ap
                             const Sensor& sensor) {
   RoomComparison comparison;
   for (const OverlappingViews& views : overlapping) {
-    comparison.depths += compare_depths(seen_by(views.a), seen_by(views.b), views.T_a_b, sensor,
-                                        kSigma_m + kDriftPerMetre * views.away_m);
+    const double sigma_m = std::hypot(kLoopSigma_m, std::sqrt(drift_covariance(views.away_m)(0, 0)));
+    comparison.depths += compare_depths(seen_by(views.a), seen_by(views.b), views.T_a_b, sensor, sigma_m);
     if (const auto pair = cache.compare(views, sensor)) comparison.appearance.add(*pair);
   }
   return comparison;
@@ -58,18 +55,15 @@ SE3 T_world_a_world_b(const LoopClosure& loop, const SE3& T_world_a, const SE3& 
 
 std::optional<ViewComparison> compare_aligned(const OverlappingViews& views, const Sensor& sensor) {
   const View a = seen_by(views.a), b = seen_by(views.b);
-  const auto aligned = align_views(a, b, {views.T_a_b, drift_away_from_loop(views.away_m)}, sensor);
+  const auto aligned = align_views(a, b, {views.T_a_b, drift_covariance(views.away_m)}, sensor);
   if (!aligned) return std::nullopt;
   return ViewComparison{appearance_p_value(a, b, aligned->T_reference_camera, sensor.camera), aligned->scale};
 }
 
 std::optional<ViewComparison> AppearanceCache::compare(const OverlappingViews& views, const Sensor& sensor) {
-  constexpr double kNear = 0.5;  // of the drift for which alignment allows
-  const DriftBound drift = drift_away_from_loop(views.away_m);
   const auto is_near = [&](const SE3& T_a_b) {
-    const SE3 error = T_a_b.inverse() * views.T_a_b;
-    return error.translation.norm() < kNear * drift.translation_m &&
-           error.angle_rad() < kNear * drift.rotation_rad;
+    constexpr double kNear = 10;  // of the square up to which alignment allows for drift, 38
+    return squared_distance({T_a_b, drift_covariance(views.away_m)}, views.T_a_b) < kNear;
   };
   const auto [known, added] = pairs_.try_emplace({views.a.id, views.b.id});
   if (added || !is_near(known->second.T_a_b)) known->second = {views.T_a_b, compare_aligned(views, sensor)};

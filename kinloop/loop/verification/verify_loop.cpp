@@ -17,17 +17,19 @@ namespace {
 // holds. It drops most chance matches, which RANSAC would pay for.
 constexpr NodeMatchOptions kMatching{.max_distance = 64, .max_ratio = 0.8};
 
-/// Whether drift explains the angle between the predicted direction of a point and that of its match.
-bool agrees_with_prediction(const PredictedView& predicted, const Eigen::Vector3d& p_reference,
-                            const Eigen::Vector3d& ray) {
-  const Eigen::Vector3d p_camera = predicted.T_reference_camera.inverse() * p_reference;
+/// Whether an error of that size explains the angle between the predicted direction of a point and that of
+/// its match.
+bool is_displaced_within(const ErrorMagnitude& error, const Eigen::Vector3d& p_camera,
+                         const Eigen::Vector3d& ray) {
   const double angle_rad = std::atan2(p_camera.cross(ray).norm(), p_camera.dot(ray));
-  return angle_rad <= direction_bound_rad(predicted.bound, p_camera);
+  return angle_rad <= displaced_rad(error, p_camera);
 }
 
 std::vector<PoseObservation> matched_observations(const ViewPair& views, const PinholeCamera& camera) {
   const auto& [reference_view, camera_view, predicted] = views;
   const Features &reference = reference_view.features, &features = camera_view.features;
+  const SE3 T_camera_reference = predicted ? predicted->T_reference_camera.inverse() : SE3{};
+  const ErrorMagnitude error = predicted ? largest_error(predicted->covariance) : ErrorMagnitude{};
   std::vector<PoseObservation> observations;
   for (const Match& match : match_by_nodes({reference.descriptors, reference_view.nodes},
                                            {features.descriptors, camera_view.nodes}, kMatching)) {
@@ -35,7 +37,7 @@ std::vector<PoseObservation> matched_observations(const ViewPair& views, const P
     if (!(depth_m > 0)) continue;
     const Eigen::Vector3d p_reference = camera.unproject(reference.pixels[match.a].cast<double>(), depth_m);
     const Eigen::Vector3d ray = camera.unproject(features.pixels[match.b].cast<double>(), 1);
-    if (predicted && !agrees_with_prediction(*predicted, p_reference, ray)) continue;
+    if (predicted && !is_displaced_within(error, T_camera_reference * p_reference, ray)) continue;
     observations.push_back({compensated_measurement(features, match.b), p_reference});
   }
   return observations;
@@ -82,7 +84,7 @@ std::vector<LoopVerificationResult> verify_loops(const LoopVerificationProblem& 
     const TrackingInput in{problem.frame, local_map, context.sensor, context.options.tracking};
     auto found = confirm_pose(in, hypothesis.T_a_b, options_for(hypothesis, context.options.loop));
     if (!found) continue;
-    if (predicted && !is_explained_by_drift(*predicted, found->T_reference_camera)) continue;
+    if (predicted && !is_explained(*predicted, found->T_reference_camera)) continue;
     const LoopClosure loop{.a = hypothesis.a,
                            .b = hypothesis.b,
                            .T_a_b = found->T_reference_camera,

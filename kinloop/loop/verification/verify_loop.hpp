@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "kinloop/loop/correction/drift.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/loop/options.hpp"
 #include "kinloop/map/local_map.hpp"
 #include "kinloop/place/vocabulary/vocabulary.hpp"

@@ -1,4 +1,4 @@
-#include "kinloop/loop/correction/drift.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 
 #include <cmath>
 #include <limits>
@@ -12,7 +12,7 @@ namespace kinloop {
 namespace {
 
 /// Keyframes on the x axis that look along z.
-class Drift : public testing::Test {
+class RelativePosesTest : public testing::Test {
  protected:
   KeyframeId add(double x_m, uint32_t component = 0) {
     const auto number = static_cast<uint32_t>(map_.keyframes().size());
@@ -20,45 +20,103 @@ class Drift : public testing::Test {
                              std::make_shared<const Features>(), component);
   }
 
+  void close_loop(uint32_t a, uint32_t b, double x_m) {
+    LoopClosure loop;
+    loop.stage = LoopStage::kVerified;
+    loop.a = KeyframeId{a};
+    loop.b = KeyframeId{b};
+    loop.T_a_b.translation = {x_m, 0, 0};
+    loop.information = 1e6 * Matrix6d::Identity();
+    map_.add_loop_closure(loop);
+  }
+
   Map map_;
 };
 
-TEST_F(Drift, DistanceIsThatTravelledNotThatBetweenTheEnds) {
+TEST_F(RelativePosesTest, DistanceIsThatTravelledNotThatBetweenTheEnds) {
   for (const double x_m : {0.0, 1.0, 2.0, 1.0, 0.0}) add(x_m);
-  const auto distances = travelled_distances(map_, KeyframeId{4});
-  EXPECT_DOUBLE_EQ(distances[0], 4);
-  EXPECT_DOUBLE_EQ(distances[3], 1);
-  EXPECT_DOUBLE_EQ(distances[4], 0);
+  const RelativePoses poses(map_, KeyframeId{4});
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{0}), 4);
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{3}), 1);
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{4}), 0);
 }
 
-TEST_F(Drift, RotationCountsAsDistance) {
+TEST_F(RelativePosesTest, RotationCountsAsDistance) {
   add(0);
   map_.add_keyframe(FrameId{1}, 1, test::camera_at(0.5, {0, 0, 0}), std::make_shared<const Features>());
-  EXPECT_NEAR(travelled_distances(map_, KeyframeId{1})[0], 0.5, 1e-9);
+  EXPECT_NEAR(RelativePoses(map_, KeyframeId{1}).path_length_m(KeyframeId{0}), 0.5, 1e-9);
 }
 
-TEST_F(Drift, LoopClosuresAreShortcutsForTheKeyframesAroundThem) {
+TEST_F(RelativePosesTest, LoopClosuresAreShortcutsForTheKeyframesAroundThem) {
   for (int i = 0; i <= 10; ++i) add(i);
-  LoopClosure loop;
-  loop.stage = LoopStage::kVerified;
-  loop.a = KeyframeId{1};
-  loop.b = KeyframeId{9};
-  loop.T_a_b.translation = {0.25, 0, 0};
-  map_.add_loop_closure(loop);
-  const auto distances = travelled_distances(map_, KeyframeId{10});
-  EXPECT_DOUBLE_EQ(distances[1], 1.25);
-  EXPECT_DOUBLE_EQ(distances[0], 2.25);
-  EXPECT_DOUBLE_EQ(distances[3], 3.25);
-  EXPECT_DOUBLE_EQ(distances[8], 2);
+  close_loop(1, 9, 0.25);
+  const RelativePoses poses(map_, KeyframeId{10});
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{1}), 1.25);
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{0}), 2.25);
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{3}), 3.25);
+  EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{8}), 2);
 }
 
-TEST_F(Drift, NoPredictionAcrossComponents) {
+TEST_F(RelativePosesTest, NoPredictionAcrossComponents) {
   add(0);
   const KeyframeId elsewhere = add(5, 1), next = add(6, 1);
-  const auto distances = travelled_distances(map_, next);
-  EXPECT_EQ(distances[0], std::numeric_limits<double>::infinity());
-  EXPECT_FALSE(predict_view(map_, KeyframeId{0}, next, distances[0]).has_value());
-  EXPECT_TRUE(predict_view(map_, elsewhere, next, distances[1]).has_value());
+  const RelativePoses poses(map_, next);
+  EXPECT_EQ(poses.path_length_m(KeyframeId{0}), std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(poses.seen_from(KeyframeId{0}).has_value());
+  EXPECT_FALSE(poses.pose_of(KeyframeId{0}).has_value());
+  EXPECT_TRUE(poses.seen_from(elsewhere).has_value());
+}
+
+/// The covariance of poses whose steps are off at random, against that of many samples.
+TEST_F(RelativePosesTest, CovarianceIsThatOfRandomSteps) {
+  Random random(4);
+  constexpr uint32_t kKeyframes = 6;
+  constexpr double kSigma_m = 1e-3, kSigma_rad = 2e-3;
+  Matrix6d of_step = Matrix6d::Zero();
+  of_step.diagonal() << Eigen::Vector3d::Constant(kSigma_m * kSigma_m),
+      Eigen::Vector3d::Constant(kSigma_rad * kSigma_rad);
+  SE3 T_world_camera;
+  for (uint32_t i = 0; i < kKeyframes; ++i) {
+    const KeyframeId id =
+        map_.add_keyframe(FrameId{i}, i, T_world_camera, std::make_shared<const Features>());
+    if (i > 0) map_.set_odometry(id, {KeyframeId{i - 1}, of_step});
+    T_world_camera = T_world_camera * test::random_step(random, 1, 0.5);
+  }
+  for (const auto& [from, to] : {std::pair{0U, kKeyframes - 1}, std::pair{kKeyframes - 1, 0U}}) {
+    const RelativePoses poses(map_, KeyframeId{from});
+    Matrix6d sampled = Matrix6d::Zero();
+    constexpr int kSamples = 20'000;
+    for (int n = 0; n < kSamples; ++n) {
+      SE3 T_first_last;
+      for (uint32_t i = 1; i < kKeyframes; ++i) {
+        Vector6d x = test::gaussian_vector<6>(random);
+        x.head<3>() *= kSigma_m;
+        x.tail<3>() *= kSigma_rad;
+        T_first_last = T_first_last * map_.relative_pose(KeyframeId{i - 1}, KeyframeId{i}) * SE3::exp(x);
+      }
+      const SE3 T_from_to = from < to ? T_first_last : T_first_last.inverse();
+      const Vector6d x = (map_.relative_pose(KeyframeId{from}, KeyframeId{to}).inverse() * T_from_to).log();
+      sampled += x * x.transpose() / kSamples;
+    }
+    const Matrix6d expected =
+        poses.pose_of(KeyframeId{to})->covariance - drift_covariance(poses.path_length_m(KeyframeId{to}));
+    EXPECT_LT((sampled - expected).norm(), 0.05 * expected.norm()) << from;
+  }
+}
+
+TEST_F(RelativePosesTest, AStepThatNothingHoldsIsUncertain) {
+  for (int i = 0; i <= 4; ++i) add(i);
+  const auto sigma_m = [&](uint32_t to) {
+    return expected_error(RelativePoses(map_, KeyframeId{0}).pose_of(KeyframeId{to})->covariance)
+        .translation_m;
+  };
+  const double held_m = sigma_m(4);
+  map_.set_odometry(KeyframeId{2}, {KeyframeId{1}, 0.25 * Matrix6d::Identity()});
+  EXPECT_GT(sigma_m(4), 0.5);
+  EXPECT_LT(sigma_m(1), held_m);
+  close_loop(0, 4, 3.9);
+  EXPECT_LT(sigma_m(4), 1.1 * held_m) << "the loop ties it";
+  EXPECT_GT(sigma_m(2), 0.5) << "an upper bound: the shortest path leads over the step";
 }
 
 /// A map of random keyframes of two components, with loop edges among them.
@@ -108,7 +166,7 @@ std::vector<std::vector<double>> all_distances(const Map& map) {
   return d;
 }
 
-TEST(TravelledDistances, AreTheShortestPaths) {
+TEST(PathLengths, AreTheShortest) {
   Random random(5);
   int shortened = 0;
   for (int trial = 0; trial < 30; ++trial) {
@@ -116,13 +174,12 @@ TEST(TravelledDistances, AreTheShortestPaths) {
     const Map map = random_map(random, loops);
     const auto expected = all_distances(map);
     for (uint32_t from = 0; from < expected.size(); ++from) {
-      const auto found = travelled_distances(map, KeyframeId{from});
-      ASSERT_EQ(found.size(), expected.size());
-      for (size_t to = 0; to < found.size(); ++to) {
+      const RelativePoses found(map, KeyframeId{from});
+      for (uint32_t to = 0; to < expected.size(); ++to) {
         if (std::isinf(expected[from][to])) {
-          EXPECT_EQ(found[to], expected[from][to]);
+          EXPECT_EQ(found.path_length_m(KeyframeId{to}), expected[from][to]);
         } else {
-          EXPECT_NEAR(found[to], expected[from][to], 1e-12);
+          EXPECT_NEAR(found.path_length_m(KeyframeId{to}), expected[from][to], 1e-12);
         }
       }
     }
@@ -135,26 +192,25 @@ TEST(TravelledDistances, AreTheShortestPaths) {
   EXPECT_GT(shortened, 5);
 }
 
-/// 10 cm and 6 degrees before the first step, then 5 cm and 1.7 degrees for each metre travelled.
-TEST(DriftBoundTest, IsABasePlusAShareOfTheDistance) {
-  for (const double distance_m : {0.0, 1.0, 7.5, 100.0}) {
-    EXPECT_DOUBLE_EQ(drift_bound(distance_m).translation_m, 0.1 + 0.05 * distance_m);
-    EXPECT_DOUBLE_EQ(drift_bound(distance_m).rotation_rad, 0.1 + 0.03 * distance_m);
-  }
+TEST(Drift, GrowsWithTheLengthOfThePath) {
+  const auto sigma_m = [](double length_m) { return std::sqrt(drift_covariance(length_m)(0, 0)); };
+  EXPECT_EQ(sigma_m(0), 0);
+  EXPECT_NEAR(sigma_m(10), 10 * sigma_m(1), 1e-12) << "systematic errors do not average out";
+  EXPECT_NEAR(sigma_m(1), 0.01, 0.002) << "about 1 % of the path";
 }
 
 /// The direction of a point from the predicted camera and from any camera within the bound.
-TEST(DriftBoundTest, TheDirectionBoundIsTheLargestDeviation) {
+TEST(ErrorMagnitudeTest, DisplacesADirectionAtMostSoFar) {
   Random random(6);
   const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
   const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
   };
   for (int trial = 0; trial < 40; ++trial) {
-    const DriftBound bound{random.uniform(0.02, 0.8), random.uniform(0.02, 0.5)};
+    const ErrorMagnitude bound{random.uniform(0.02, 0.8), random.uniform(0.02, 0.5)};
     const double distance_m = random.uniform(1, 4);
     const Eigen::Vector3d p = distance_m * unit();
-    const double limit_rad = direction_bound_rad(bound, p);
+    const double limit_rad = displaced_rad(bound, p);
     double largest_rad = 0;
     for (int sample = 0; sample < 2000; ++sample) {
       const double turn_rad = bound.rotation_rad * std::cbrt(random.uniform());
@@ -174,35 +230,34 @@ TEST(DriftBoundTest, TheDirectionBoundIsTheLargestDeviation) {
     const double reached = std::max(angle(p, worst.inverse() * p), angle(p, other.inverse() * p));
     EXPECT_NEAR(reached, limit_rad, 1e-9);
   }
-  EXPECT_NEAR(direction_bound_rad({2, 0.1}, {0, 0, 1}), 0.1 + std::acos(0.0), 1e-12)
+  EXPECT_NEAR(displaced_rad({2, 0.1}, {0, 0, 1}), 0.1 + std::acos(0.0), 1e-12)
       << "beyond the point: any direction";
 }
 
-/// A turn at either end of the path, and a shift, up to the bound: the turn at the reference moves the camera
-/// by its lever.
-TEST(DriftBoundTest, ErrorsUpToTheBoundAreExplainedAndLargerOnesAreNot) {
+/// Errors drawn from the covariance, with that of the measurement.
+TEST(IsExplained, RefusesOneTruePoseInAMillion) {
   Random random(8);
-  const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
-  for (int trial = 0; trial < 500; ++trial) {
-    const PredictedView predicted{test::random_step(random, 2, 0.5), drift_bound(random.uniform(0, 30))};
-    const DriftBound& bound = predicted.bound;
-    const double share = random.uniform();
-    const SE3 at_reference{exp_so3(share * 0.999 * bound.rotation_rad * unit()), Eigen::Vector3d::Zero()};
-    const SE3 at_camera{exp_so3((1 - share) * 0.999 * bound.rotation_rad * unit()),
-                        0.999 * bound.translation_m * unit()};
-    const SE3& T = predicted.T_reference_camera;
-    EXPECT_TRUE(is_explained_by_drift(predicted, at_reference * T * at_camera));
-    const double reach_m = bound.translation_m + bound.rotation_rad * T.translation.norm();
-    const SE3 too_far{Eigen::Quaterniond::Identity(), 1.001 * reach_m * unit()};
-    const SE3 turned{exp_so3(1.001 * bound.rotation_rad * unit()), Eigen::Vector3d::Zero()};
-    EXPECT_FALSE(is_explained_by_drift(predicted, T * too_far));
-    EXPECT_FALSE(is_explained_by_drift(predicted, T * turned));
+  const Matrix6d covariance = drift_covariance(5);
+  const ErrorMagnitude sigma = expected_error(covariance);
+  double sum = 0;
+  constexpr int kSamples = 20'000;
+  for (int trial = 0; trial < kSamples; ++trial) {
+    const PredictedView predicted{test::random_step(random, 2, 0.5), covariance};
+    Vector6d x = test::gaussian_vector<6>(random);
+    x.head<3>() *= sigma.translation_m;
+    x.tail<3>() *= sigma.rotation_rad;
+    const SE3 T = predicted.T_reference_camera * SE3::exp(x);
+    sum += squared_distance(predicted, T) / kSamples;
+    EXPECT_TRUE(is_explained(predicted, T));
+    const SE3 far{Eigen::Quaterniond::Identity(), {0, 0, 1.01 * largest_error(covariance).translation_m}};
+    EXPECT_FALSE(is_explained(predicted, predicted.T_reference_camera * far));
   }
+  EXPECT_NEAR(sum, 6, 0.1) << "chi-square with six degrees of freedom";
 }
 
 /// Odometry with errors in every step, each in a direction of its own, of twice the size found in practice
 /// (2 % of the path, a degree for each metre): on the way back the loop is never refused.
-TEST(DriftBoundTest, SimulatedOdometryStaysWithinTheBound) {
+TEST(IsExplained, SimulatedOdometry) {
   constexpr double kStep_m = 0.2, kPerMetre_m = 0.04, kPerMetre_rad = 0.035;
   for (uint64_t seed = 0; seed < 50; ++seed) {
     Random random(seed);
@@ -220,21 +275,31 @@ TEST(DriftBoundTest, SimulatedOdometryStaysWithinTheBound) {
       estimate = estimate * step * error;
     }
     const KeyframeId first{0}, last{static_cast<uint32_t>(steps)};
-    const auto predicted = predict_view(map, first, last, travelled_distances(map, last)[0]);
+    const auto predicted = RelativePoses(map, last).seen_from(first);
     ASSERT_TRUE(predicted);
-    EXPECT_TRUE(is_explained_by_drift(*predicted, truth)) << seed;
+    EXPECT_TRUE(is_explained(*predicted, truth)) << seed;
     SE3 elsewhere = truth;
-    elsewhere.translation.y() +=
-        2 * predicted->bound.translation_m +
-        predicted->bound.rotation_rad * predicted->T_reference_camera.translation.norm();
-    EXPECT_FALSE(is_explained_by_drift(*predicted, elsewhere)) << seed;
+    elsewhere.translation.y() += 2 * largest_error(predicted->covariance).translation_m;
+    EXPECT_FALSE(is_explained(*predicted, elsewhere)) << seed;
   }
+}
+
+/// The covariance whose largest error, with that of the measurement, has this size.
+Matrix6d covariance_of(const ErrorMagnitude& largest) {
+  const ErrorMagnitude least = expected_error(Matrix6d::Zero());
+  const double sigmas = largest_error(Matrix6d::Zero()).translation_m / least.translation_m;
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal() << Eigen::Vector3d::Constant(std::pow(largest.translation_m / sigmas, 2) -
+                                                     std::pow(least.translation_m, 2)),
+      Eigen::Vector3d::Constant(std::pow(largest.rotation_rad / sigmas, 2) - std::pow(least.rotation_rad, 2));
+  return covariance;
 }
 
 class DriftOverlap : public testing::Test {
  protected:
-  [[nodiscard]] bool may_overlap_at(double yaw_rad, const DriftBound& bound) const {
-    return may_overlap(*view_.features, {test::camera_at(yaw_rad, {0, 0, 0}), bound}, world_.camera, 12);
+  [[nodiscard]] bool may_overlap_at(double yaw_rad, const ErrorMagnitude& largest) const {
+    return may_overlap(*view_.features, {test::camera_at(yaw_rad, {0, 0, 0}), covariance_of(largest)},
+                       world_.camera, 12);
   }
 
   test::SyntheticWorld world_ = test::make_world(4000, 1);
@@ -254,7 +319,7 @@ TEST_F(DriftOverlap, UncertaintyWidensTheView) {
 
 /// Whatever error lies within the bound: points in view of the true pose are never ruled out.
 TEST_F(DriftOverlap, TrueOverlapIsNeverRefused) {
-  const DriftBound bound{0.3, 0.2};
+  const ErrorMagnitude bound{0.3, 0.2};
   Random random(7);
   const auto unit = [&] { return test::gaussian_vector<3>(random).normalized().eval(); };
   int overlapping = 0;
@@ -272,7 +337,8 @@ TEST_F(DriftOverlap, TrueOverlapIsNeverRefused) {
     if (visible < 12) continue;
     ++overlapping;
     const SE3 error{exp_so3(bound.rotation_rad * unit()), bound.translation_m * unit()};
-    EXPECT_TRUE(may_overlap(*view_.features, {truth * error, bound}, world_.camera, 12)) << trial;
+    EXPECT_TRUE(may_overlap(*view_.features, {truth * error, covariance_of(bound)}, world_.camera, 12))
+        << trial;
   }
   EXPECT_GT(overlapping, 100);
 }

@@ -1,8 +1,9 @@
-#include "kinloop/map/frames/online_covariance.hpp"
+#include "kinloop/belief/online_covariance.hpp"
 
 #include <algorithm>
 
-#include "kinloop/map/frames/pose_scatter.hpp"
+#include "kinloop/belief/pose_scatter.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 
 namespace kinloop {
 namespace {
@@ -15,11 +16,6 @@ constexpr double kDriftFactor = 5;
 constexpr double kScatterFrames = 15;  // half a second
 
 }  // namespace
-
-Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c) {
-  const Matrix6d adjoint = T_b_c.inverse().adjoint();
-  return adjoint * covariance_of_T_a_b * adjoint.transpose();
-}
 
 Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma) {
   Vector6d off = Vector6d::Zero();
@@ -37,26 +33,24 @@ Matrix6d OnlineCovariance::add(const TrackedFrame& tracked) {
   return covariance;
 }
 
-void OnlineCovariance::add_keyframe(const TrackedFrame& tracked) {
+OdometryStep OnlineCovariance::add_keyframe(const TrackedFrame& tracked) {
   const KeyframeId keyframe = tracked.keyframe;
   make_room_for(keyframe);
   if (tracked.outcome == TrackingOutcome::kNewMap) {
     T_first_keyframe_[keyframe.value] = SE3{};
-    steps_[keyframe.value].emplace();
-    return;
+    return {};
   }
   make_room_for(tracked.reference);
   const Matrix6d drift = kDriftFactor * tracked.covariance;
   keyframes_[keyframe.value] =
       transported(keyframes_[tracked.reference.value], tracked.T_reference_camera) + drift;
-  steps_[keyframe.value] = {tracked.reference, drift};
   T_first_keyframe_[keyframe.value] = T_first_camera(tracked);
+  return {tracked.reference, drift};
 }
 
 void OnlineCovariance::make_room_for(KeyframeId id) {
   if (id.value < keyframes_.size()) return;
   keyframes_.resize(id.value + 1, Matrix6d::Zero());
-  steps_.resize(id.value + 1);
   T_first_keyframe_.resize(id.value + 1);
 }
 

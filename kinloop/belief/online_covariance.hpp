@@ -10,20 +10,9 @@
 
 namespace kinloop {
 
-/// Returns the covariance of T_a_c = T_a_b * T_b_c that the covariance of T_a_b causes: of x in the axes of
-/// c.
-Matrix6d transported(const Matrix6d& covariance_of_T_a_b, const SE3& T_b_c);
-
 /// Returns the covariance that an error of the scale of all depths (1 sigma, relative) causes, of x in the
 /// axes of the pose: it grows with the distance.
 Matrix6d covariance_of_scale(const SE3& T_first_pose, double scale_sigma);
-
-/// The keyframe that a keyframe was tracked against, and what that added to its covariance.
-struct KeyframeStep {
-  KeyframeId reference;  ///< invalid for the first of a component
-  /// Of the pose in the reference, with drift; in the axes of the keyframe.
-  Matrix6d covariance = Matrix6d::Zero();
-};
 
 /// The covariances of the poses of a run, as they are known at each frame.
 ///
@@ -39,15 +28,12 @@ class OnlineCovariance {
   /// exp(x), relative to the keyframe that started the component. Zero if unknown. Call once a frame.
   Matrix6d add(const TrackedFrame& tracked);
 
-  /// Records the covariance of a frame that has become a keyframe.
-  void add_keyframe(const TrackedFrame& tracked);
+  /// Records the covariance of a frame that has become a keyframe, and returns the step to it, with drift.
+  OdometryStep add_keyframe(const TrackedFrame& tracked);
 
   /// Returns the covariance of each keyframe, by its id. Those of loaded maps are zero: the map is the
   /// reference.
   [[nodiscard]] const std::vector<Matrix6d>& keyframes() const { return keyframes_; }
-
-  /// Returns the step to each keyframe, by its id; nullopt for those of loaded maps. May end early.
-  [[nodiscard]] const std::vector<std::optional<KeyframeStep>>& steps() const { return steps_; }
 
  private:
   void make_room_for(KeyframeId id);
@@ -56,7 +42,6 @@ class OnlineCovariance {
 
   double scale_sigma_;
   std::vector<Matrix6d> keyframes_;
-  std::vector<std::optional<KeyframeStep>> steps_;
   std::vector<std::optional<SE3>> T_first_keyframe_;  // in the component, by id; none for loaded maps
   std::deque<StampedPose> latest_;                    // at most three
   Matrix6d scatter_ = Matrix6d::Zero();               // see pose_scatter, of the frames until now

@@ -1,4 +1,4 @@
-#include "kinloop/tracking/motion/reach.hpp"
+#include "kinloop/belief/reach.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,8 @@
-#include "kinloop/map/frames/online_covariance.hpp"
+#include "kinloop/belief/online_covariance.hpp"
 
 #include <gtest/gtest.h>
+
+#include "kinloop/belief/relative_covariance.hpp"
 
 namespace kinloop {
 namespace {
