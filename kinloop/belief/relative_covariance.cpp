@@ -129,16 +129,21 @@ RelativePoses::RelativePoses(const Map& map, KeyframeId from) : views_(map.keyfr
   const auto steps = steps_of(map);
   const ShortestPaths paths = shortest_paths(steps, views_.size(), from);
   lengths_m_ = paths.lengths_m;
-  std::vector<uint32_t> nearest_first;
+  std::vector<bool> is_known(views_.size(), false);
+  is_known[from.value] = true;
+  const auto nearer_end = [&](KeyframeId to) {
+    const PathStep& step = steps[paths.last_step[to.value]];
+    return step.b == to ? step.a : step.b;
+  };
   for (uint32_t i = 0; i < views_.size(); ++i) {
-    if (i != from.value && std::isfinite(lengths_m_[i])) nearest_first.push_back(i);
-  }
-  std::stable_sort(nearest_first.begin(), nearest_first.end(),
-                   [&](uint32_t a, uint32_t b) { return lengths_m_[a] < lengths_m_[b]; });
-  for (const uint32_t to : nearest_first) {
-    const PathStep& step = steps[paths.last_step[to]];
-    const KeyframeId by = step.b.value == to ? step.a : step.b;
-    views_[to] = views_[by.value] * pose_over(step, KeyframeId{to}, map);
+    if (!std::isfinite(lengths_m_[i])) continue;
+    std::vector<KeyframeId> way;  // from here to what is known
+    for (KeyframeId at{i}; !is_known[at.value]; at = nearer_end(at)) way.push_back(at);
+    for (auto to = way.rbegin(); to != way.rend(); ++to) {
+      const PathStep& step = steps[paths.last_step[to->value]];
+      views_[to->value] = views_[nearer_end(*to).value] * pose_over(step, *to, map);
+      is_known[to->value] = true;
+    }
   }
 }
 

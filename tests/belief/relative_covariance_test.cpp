@@ -57,6 +57,17 @@ TEST_F(RelativePosesTest, LoopClosuresAreShortcutsForTheKeyframesAroundThem) {
   EXPECT_DOUBLE_EQ(poses.path_length_m(KeyframeId{8}), 2);
 }
 
+TEST_F(RelativePosesTest, ACameraAtRestHasPosesToo) {
+  for (int i = 0; i < 5; ++i) map_.set_odometry(add(2), {KeyframeId{}, 1e-4 * Matrix6d::Identity()});
+  for (const uint32_t from : {0U, 2U, 4U}) {
+    const RelativePoses poses(map_, KeyframeId{from});
+    for (uint32_t to = 0; to < 5; ++to) {
+      const double steps = std::abs(static_cast<double>(from) - to);
+      EXPECT_NEAR(poses.pose_of(KeyframeId{to})->covariance(0, 0), 1e-4 * steps, 1e-12);
+    }
+  }
+}
+
 TEST_F(RelativePosesTest, NoPredictionAcrossComponents) {
   add(0);
   const KeyframeId elsewhere = add(5, 1), next = add(6, 1);
