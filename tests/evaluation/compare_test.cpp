@@ -63,6 +63,18 @@ TEST(Compare, NamesAClockThatIsOff) {
   EXPECT_NEAR(to_seconds(estimated.estimate[0].stamp_ns), 100, 2e-3);
 }
 
+TEST(Compare, SaysThatPosesAreWorldToCamera) {
+  const auto inverted = [](Trajectory path) {
+    for (StampedPose& pose : path) pose.T_world_camera = pose.T_world_camera.inverse();
+    return path;
+  };
+  EXPECT_THAT(compared(inverted(walk())).notes,
+              testing::Contains(HasSubstr("a: its poses seem to be world to")));
+  EXPECT_THAT(compared(walk(), inverted(walk(0.05, 0))).notes,
+              testing::Contains(HasSubstr("truth: its poses seem to be world to camera")));
+  EXPECT_THAT(compared(walk(0.05, 0.3)).notes, testing::Not(testing::Contains(HasSubstr("world to camera"))));
+}
+
 TEST(Compare, RefusesOtherClocksAndSaysTheOffset) {
   EXPECT_THAT(test::input_error([] { compared(shifted(walk(), 1000 * kNsPerSecond)); }),
               AllOf(HasSubstr("truth: fewer than three poses"), HasSubstr("or --offset -")));

@@ -212,12 +212,27 @@ TEST_F(TrajectoryFiles, RepeatedStampsAreSaidOrAnError) {
   EXPECT_THAT(read(many).notes, testing::ElementsAre("one of 200 time stamps repeats"));
 }
 
+TEST_F(TrajectoryFiles, LinesOfNanAreNoPoses) {
+  const auto nan_at = [&](int bad) {
+    return lines([&](int i) {
+      return i >= bad && i < bad + 3 ? fmt::format("{} NaN NaN NaN NaN NaN NaN NaN", 1403636580 + i)
+                                     : tum_line(i);
+    });
+  };
+  for (const int bad : {0, 5}) {
+    const TrajectoryFile file = read(nan_at(bad));
+    EXPECT_EQ(file.poses.size(), 37U);
+    EXPECT_THAT(file.notes, testing::Contains(HasSubstr("3 lines of NaN")));
+  }
+  EXPECT_THAT(error_of("1403636580 nan nan nan nan nan nan nan\n"), HasSubstr("all poses are NaN"));
+}
+
 TEST_F(TrajectoryFiles, WhatIsNoPoseIsNamedByItsLine) {
   const auto two = [](const std::string& second) { return tum_line(0) + "\n" + second + "\n"; };
   EXPECT_THAT(error_of("1 2 3\n"), AllOf(HasSubstr("poses.txt:1"), HasSubstr("found 3 fields")));
   EXPECT_THAT(error_of(two("1 2 3")),
               AllOf(HasSubstr("poses.txt:2"), HasSubstr("3 fields where the first line has 8")));
-  EXPECT_THAT(error_of(two("1403636580 1 2 nan 0 0 0 1")), HasSubstr("poses.txt:2: 'nan'"));
+  EXPECT_THAT(error_of(two("1403636580 1 2 inf 0 0 0 1")), HasSubstr("poses.txt:2: 'inf'"));
   EXPECT_THAT(error_of(two("1403636580 1 2 3 0 0 0 0")), HasSubstr("poses.txt:2: the quaternion is zero"));
   EXPECT_THAT(error_of(two("noon 1 2 3 0 0 0 1")), HasSubstr("poses.txt:2: 'noon' is not a time stamp"));
   EXPECT_THAT(error_of("1e300 1 2 3 0 0 0 1\n"), HasSubstr("not a possible time stamp"));

@@ -105,6 +105,33 @@ void check_clock(const ComparisonRequest& request, const Evaluation& evaluation,
       request.estimate.name, seconds_text(*offset_ns), ate->error_m.rmse, evaluation.ate.error_m.rmse));
 }
 
+Trajectory inverses(Trajectory trajectory) {
+  for (StampedPose& pose : trajectory) pose.T_world_camera = pose.T_world_camera.inverse();
+  return trajectory;
+}
+
+/// Says so if the poses of one trajectory are those of the world in the camera, as COLMAP and extrinsic
+/// matrices have them: inverted they fit far better.
+void check_direction(const ComparisonRequest& request, const Evaluation& evaluation,
+                     std::vector<std::string>& notes) {
+  constexpr double kFarSmaller = 0.3;  // of the error; by chance, the inverse of a bad estimate may halve it
+  const Trajectory &estimate = request.estimate.file.poses, &truth = request.truth.file.poses;
+  double least_m = kFarSmaller * evaluation.ate.error_m.rmse;
+  const NamedTrajectory* inverted = nullptr;
+  const auto try_inverse = [&](const NamedTrajectory& named, const std::optional<AteResult>& ate) {
+    if (!ate || ate->error_m.rmse > least_m) return;
+    least_m = ate->error_m.rmse;
+    inverted = &named;
+  };
+  try_inverse(request.estimate, absolute_trajectory_error(inverses(estimate), truth, request.options));
+  try_inverse(request.truth, absolute_trajectory_error(estimate, inverses(truth), request.options));
+  if (inverted == nullptr) return;
+  notes.push_back(fmt::format(
+      "{}: its poses seem to be world to camera: inverted they give an ATE of {:.4f} m instead of "
+      "{:.4f} m; invert each pose, the figures here mean nothing",
+      inverted->name, least_m, evaluation.ate.error_m.rmse));
+}
+
 void note_missing_rpe(const ComparisonRequest& request, const Evaluation& evaluation,
                       std::vector<std::string>& notes) {
   const auto note = [&](const RpeDelta& delta, const std::optional<RpeResult>& error) {
@@ -147,6 +174,7 @@ Comparison compare(ComparisonRequest request) {
   set_quaternion_orders(request, notes);
   auto evaluation = evaluate(estimate.file.poses, truth.file.poses, request.options);
   if (!evaluation) throw_no_figures(request);
+  check_direction(request, *evaluation, notes);
   if (has_time) {
     check_clock(request, *evaluation, notes);
     note_missing_rpe(request, *evaluation, notes);

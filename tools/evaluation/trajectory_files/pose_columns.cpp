@@ -86,16 +86,19 @@ std::optional<double> number_in(const TextLine& row, size_t column) {
   return error == std::errc() ? std::optional(value) : std::nullopt;
 }
 
-/// Whether almost all rows have a unit quaternion in the four columns from `first`.
+/// Whether almost all rows have a unit quaternion in the four columns from `first`; those of NaN do not
+/// count.
 bool holds_unit_quaternions(const NumberTable& table, size_t first) {
   constexpr double kNormTolerance = 1e-2, kShare = 0.95;
-  size_t units = 0;
+  size_t units = 0, known = 0;
   for (const TextLine& row : table.rows) {
     double squared = 0;
     for (size_t i = 0; i < 4; ++i) squared += std::pow(number_in(row, first + i).value_or(2), 2);
+    if (std::isnan(squared)) continue;
+    ++known;
     if (std::abs(std::sqrt(squared) - 1) < kNormTolerance) ++units;
   }
-  return static_cast<double>(units) >= kShare * static_cast<double>(table.rows.size());
+  return static_cast<double>(units) >= kShare * static_cast<double>(known);
 }
 
 /// Whether the first pose is the identity, w first. Estimates begin there; x y z w would be half a turn.
@@ -103,8 +106,8 @@ bool begins_with_identity_w_first(const NumberTable& table, size_t first) {
   constexpr double kTolerance = 1e-6;
   const TextLine& row = table.rows.front();
   for (size_t i = 0; i < 4; ++i) {
-    if (std::abs(std::abs(number_in(row, first + i).value_or(2)) - (i == 0 ? 1 : 0)) > kTolerance)
-      return false;
+    const double difference = std::abs(std::abs(number_in(row, first + i).value_or(2)) - (i == 0 ? 1 : 0));
+    if (!(difference <= kTolerance)) return false;  // also of NaN
   }
   return true;
 }

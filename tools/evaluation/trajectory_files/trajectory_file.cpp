@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 #include "kinloop/core/time.hpp"
 #include "tools/evaluation/trajectory_files/columns.hpp"
 
@@ -45,6 +46,16 @@ void require_fields(const TextLine& row, size_t at_least, size_t at_most, const 
   throw_parse_error(
       path, row.number,
       fmt::format("{} fields where the first line has {}; correct or delete the line", found, at_most));
+}
+
+/// Motion capture writes rows of NaN where it lost the camera: they are no poses.
+bool has_pose(const TextLine& row, const PoseColumns& columns) {
+  const auto is_nan = [&](size_t column) {
+    const std::string text = lower_case(row.fields[column]);
+    return text == "nan" || text == "-nan" || text == "+nan";
+  };
+  return std::none_of(columns.translation.begin(), columns.translation.end(), is_nan) &&
+         std::none_of(columns.quaternion.begin(), columns.quaternion.end(), is_nan);
 }
 
 /// Stamps as text; those in two columns are joined.
@@ -100,7 +111,7 @@ void read_matrices(TrajectoryFile& file, const NumberTable& table, const fs::pat
 }  // namespace
 
 TrajectoryFile read_trajectory_file(const fs::path& path) {
-  const NumberTable table = read_number_table(path);
+  NumberTable table = read_number_table(path);
   const PoseColumns columns = find_pose_columns(table, path);
   TrajectoryFile file;
   file.format = columns.format;
@@ -109,10 +120,12 @@ TrajectoryFile read_trajectory_file(const fs::path& path) {
     return file;
   }
   const size_t first_fields = table.rows.front().fields.size();
-  for (const TextLine& row : table.rows) {
-    require_fields(row, columns.width(), first_fields, path);
-    file.poses.push_back({0, parse_pose(row, columns, path)});
-  }
+  for (const TextLine& row : table.rows) require_fields(row, columns.width(), first_fields, path);
+  const size_t without_pose =
+      std::erase_if(table.rows, [&](const TextLine& row) { return !has_pose(row, columns); });
+  if (table.rows.empty()) throw InputError(fmt::format("{}: all poses are NaN", path.string()));
+  if (without_pose > 0) add_note(file, fmt::format("{} lines of NaN, which are no poses", without_pose));
+  for (const TextLine& row : table.rows) file.poses.push_back({0, parse_pose(row, columns, path)});
   file.knows_quaternion_order = columns.knows_order;
   add_note(file, columns.note);
   set_stamps(file, stamp_texts(table, columns), path);
