@@ -1,6 +1,8 @@
 #include "drivers/ros/bag_source.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,6 +23,8 @@
 
 namespace kinloop {
 namespace {
+
+constexpr const char* kNoPartner = "no image of the other camera within 0.02 s";
 
 std::set<std::string> names_of(const std::vector<const BagTopic*>& topics) {
   std::set<std::string> names;
@@ -54,8 +58,9 @@ class BagSource : public FrameSource {
     set_depth_scale();
     require_possible(camera_, info_.name);
     preparation_.emplace(camera_);
-    for (const BagTopic* topic : file_->topics()) {
-      if (topic->name == streams_.color) info_.frames = topic->messages;
+    info_.frames = messages_of(streams_.color);
+    for (const std::string& topic : {streams_.color, streams_.depth}) {
+      if (is_zero_a_time(topic)) times_from_zero_.insert(topic);
     }
     file_->select({streams_.color, streams_.depth});
   }
@@ -80,7 +85,7 @@ class BagSource : public FrameSource {
     auto all = skipped_;
     const auto damage = file_->damage();
     all.add(damage);
-    all.add({"image", "no image of the other camera within 0.02 s"}, pairer_.unpaired());
+    if (!is_one_faster()) all.add({"image", kNoPartner}, pairer_.unpaired());
     all.add({"image", "its timestamp does not increase"}, pairer_.out_of_order());
     return all;
   }
@@ -139,7 +144,12 @@ class BagSource : public FrameSource {
     const auto message = file_->next();
     if (!message) {
       finished_ = true;
-      return pairer_.finish();
+      pairer_.finish();
+      if (is_one_faster() && pairer_.unpaired() > 0)
+        log::info("{}: {} images not used: {}; {} has {} images, {} has {}", info_.name, pairer_.unpaired(),
+                  kNoPartner, streams_.color, messages_of(streams_.color), streams_.depth,
+                  messages_of(streams_.depth));
+      return;
     }
     try {
       add(*message);
@@ -167,13 +177,56 @@ class BagSource : public FrameSource {
     add_depth(stamp_ns, depth_from_compressed(m.format, m.data, depth_unit_m(m)));
   }
 
+  [[nodiscard]] size_t messages_of(const std::string& name) const {
+    for (const BagTopic* topic : file_->topics()) {
+      if (topic->name == name) return topic->messages;
+    }
+    return 0;
+  }
+
+  /// An image that one camera made between two of the other is not lost.
+  [[nodiscard]] bool is_one_faster() const {
+    constexpr double kRatio = 1.5;  // of the rates; the usual ones are 15 and 30 Hz
+    constexpr size_t kFewest = 10;  // fewer images tell no rate
+    const size_t color = messages_of(streams_.color), depth = messages_of(streams_.depth);
+    const size_t fewer = std::min(color, depth), more = std::max(color, depth);
+    return fewer >= kFewest && static_cast<double>(more) >= kRatio * static_cast<double>(fewer);
+  }
+
+  /// Whether the stamp 0 is that of a clock which begins there, as in simulation: the first other stamp is
+  /// less than a minute. Otherwise it was left empty.
+  [[nodiscard]] bool is_zero_a_time(const std::string& topic) {
+    constexpr int64_t kFirst_ns = 60 * kNsPerSecond;
+    constexpr size_t kMostMessages = 100;
+    file_->select({topic});
+    for (size_t i = 0; i < kMostMessages; ++i) {
+      try {
+        const auto message = file_->next();
+        if (!message) break;
+        const int64_t stamp_ns = header_stamp_ns(*message);
+        if (stamp_ns != 0) return stamp_ns > 0 && stamp_ns < kFirst_ns;
+      } catch (const InputError&) {
+        continue;  // said when it is read as a frame
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] static int64_t header_stamp_ns(const BagMessage& message) {
+    const RosReader reader(message.data, message.topic->encoding);
+    return message.topic->type == "sensor_msgs/CompressedImage"
+               ? read_compressed_image(reader).header.stamp_ns
+               : read_image(reader).header.stamp_ns;
+  }
+
   /// Some drivers leave the stamp empty.
   [[nodiscard]] int64_t stamp_of(const RosHeader& header, const BagMessage& message) const {
     if (const auto stamps = stamps_of_sdk_.find(message.topic->name); stamps != stamps_of_sdk_.end()) {
       const auto found = stamps->second.find(message.log_ns);
       if (found != stamps->second.end()) return found->second;
     }
-    return header.stamp_ns != 0 ? header.stamp_ns : checked_stamp_ns(message.log_ns);
+    const bool empty = header.stamp_ns == 0 && !times_from_zero_.contains(message.topic->name);
+    return empty ? checked_stamp_ns(message.log_ns) : header.stamp_ns;
   }
 
   [[nodiscard]] double depth_unit_m(const StampedImage& m) {
@@ -223,6 +276,7 @@ class BagSource : public FrameSource {
   double depth_unit_m_ = kRosDepthUnitM;  ///< of 16-bit depth, by the bag
   bool told_unit_ = false;
   SdkStamps stamps_of_sdk_;
+  std::set<std::string> times_from_zero_;  ///< topics in which the stamp 0 is a time
   std::optional<DepthPreparation> preparation_;
   FramePairer pairer_;
   bool finished_ = false;

@@ -102,6 +102,65 @@ TEST_F(BagTest, GivesTheFramesThatAFolderWithTheSameImagesGives) {
   EXPECT_TRUE(source->skipped().empty());
 }
 
+/// The log time of a bag that is recorded now.
+constexpr int64_t kNow_ns = 1'700'000'000'000'000'000;
+
+TEST_F(BagTest, SimulationTimeMayBeginAtZero) {
+  constexpr int64_t kStep_ns = 66'666'667;
+  write([&](rosbag::Bag& bag) {
+    for (int i = 0; i < 6; ++i) {
+      const auto at = time_of(kNow_ns + i * kStep_ns);
+      bag.write(kColor, at, message_of(i * kStep_ns, test::make_color(i), "bgr8"));
+      bag.write(kDepth, at, message_of(i * kStep_ns, test::make_depth(1500), "16UC1"));
+    }
+  });
+  const auto source = open_bag(path(), {});
+  for (int i = 0; i < 6; ++i) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->stamp_ns, i * kStep_ns);
+  }
+  EXPECT_FALSE(source->next());
+  EXPECT_TRUE(source->skipped().empty());
+}
+
+TEST_F(BagTest, EmptyStampsAreReplacedByTheTimeOfRecording) {
+  for (const bool all_empty : {true, false}) {
+    write([&](rosbag::Bag& bag) {
+      for (int i = 0; i < 6; ++i) {
+        const int64_t at_ns = kNow_ns + i * 66'666'667;
+        const int64_t stamp_ns = all_empty || i == 2 ? 0 : at_ns;
+        bag.write(kColor, time_of(at_ns), message_of(stamp_ns, test::make_color(i), "bgr8"));
+        bag.write(kDepth, time_of(at_ns), message_of(stamp_ns, test::make_depth(1500), "16UC1"));
+      }
+    });
+    const auto source = open_bag(path(), {});
+    for (int i = 0; i < 6; ++i) {
+      const auto frame = source->next();
+      ASSERT_TRUE(frame);
+      EXPECT_EQ(frame->stamp_ns, kNow_ns + i * 66'666'667);
+    }
+    EXPECT_TRUE(source->skipped().empty());
+  }
+}
+
+TEST_F(BagTest, ColourOfAFasterCameraIsNotLost) {
+  write([&](rosbag::Bag& bag) {
+    for (int64_t i = 0; i < 36; ++i) {
+      const int64_t stamp_ns = kNow_ns + i * 33'333'333;
+      add(bag, kColor, stamp_ns, test::make_color(1), "bgr8");
+      if (i % 3 == 0) add(bag, kDepth, stamp_ns, test::make_depth(1000), "16UC1");
+    }
+  });
+  testing::internal::CaptureStdout();
+  const auto source = open_bag(path(), {});
+  size_t frames = 0;
+  while (source->next()) ++frames;
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("images not used: no image of the other"));
+  EXPECT_EQ(frames, 12U);
+  EXPECT_TRUE(source->skipped().empty()) << source->skipped().size();
+}
+
 TEST_F(BagTest, SkipsAndCountsWhatItCannotUse) {
   write([&](rosbag::Bag& bag) {
     for (int64_t i = 1; i <= 5; ++i) {
