@@ -71,10 +71,9 @@ std::string FolderContents::find_file(std::string_view beginning, std::string_vi
 }
 
 std::string FolderContents::first_image() const {
-  for (const char* ending : {".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"}) {
-    if (std::string name = find_file("", ending); !name.empty()) return name;
-  }
-  return {};
+  const auto found =
+      std::find_if(files_.begin(), files_.end(), [](const std::string& name) { return is_color_name(name); });
+  return found == files_.end() ? std::string() : *found;
 }
 
 namespace {
@@ -112,11 +111,12 @@ bool ends_like_one_of(const fs::path& file, std::initializer_list<std::string_vi
 }  // namespace
 
 bool is_color_name(const fs::path& file) {
-  return ends_like_one_of(file, {".png", ".jpg", ".jpeg"});
+  return ends_like_one_of(
+      file, {".png", ".jpg", ".jpeg", ".ppm", ".pgm", ".pnm", ".bmp", ".tif", ".tiff", ".webp"});
 }
 
 bool is_depth_name(const fs::path& file) {
-  return ends_like_one_of(file, {".png", ".pgm", ".exr", ".tif", ".tiff", ".npy", ".npz", ".yml"});
+  return ends_like_one_of(file, {".png", ".pgm", ".exr", ".tif", ".tiff", ".npy", ".npz", ".yml", ".raw"});
 }
 
 std::string folder_name(const fs::path& folder) {

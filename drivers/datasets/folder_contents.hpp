@@ -23,7 +23,7 @@ class FolderContents {
   /// Returns the first file with this prefix and suffix; empty if there is none.
   [[nodiscard]] std::string find_file(std::string_view beginning, std::string_view end) const;
 
-  /// Returns the first PNG or JPEG; empty if there is none.
+  /// Returns the first colour image, see is_color_name; empty if there is none.
   [[nodiscard]] std::string first_image() const;
 
  private:
@@ -39,10 +39,11 @@ std::string color_folder(const FolderContents& contents);
 /// Same for depth images.
 std::string depth_folder(const FolderContents& contents);
 
-/// Returns whether a file is a colour image (PNG, JPEG) by the ending of its name.
+/// Returns whether a file is a colour image (PNG, JPEG, PPM, PGM, BMP, TIFF; WebP, which is named in errors)
+/// by the ending of its name.
 bool is_color_name(const std::filesystem::path& file);
 
-/// Same for depth images (PNG, PGM, EXR, TIFF, NumPy, OpenCV's YAML).
+/// Same for depth images (PNG, PGM, EXR, TIFF, NumPy, OpenCV's YAML, raw numbers).
 bool is_depth_name(const std::filesystem::path& file);
 
 /// Returns the last component of a path, also of "folder/" and ".".

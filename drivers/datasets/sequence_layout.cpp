@@ -1,6 +1,7 @@
 #include "drivers/datasets/sequence_layout.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -146,11 +147,25 @@ std::string foreign_layout_around(const fs::path& folder) {
   return {};
 }
 
+/// ": .heic, .txt; convert the images to PNG or JPEG": the endings of the files in a folder.
+std::string endings_in(const fs::path& folder) {
+  constexpr size_t kMost = 5;
+  std::set<std::string> endings;
+  const FolderContents contents(folder);
+  for (const std::string& name : contents.files()) {
+    if (endings.size() < kMost && fs::path(name).has_extension())
+      endings.insert(fs::path(name).extension().string());
+  }
+  if (endings.empty()) return "";
+  return fmt::format(", only {}; convert images to PNG or JPEG", fmt::join(endings, ", "));
+}
+
 /// What the folder is or lacks; empty if nothing is recognised.
 std::string description_of(const fs::path& folder) {
   const FolderContents contents(folder);
   if (contents.empty()) return "an empty folder";
-  if (contents.has_folder("rgb") && contents.has_folder("depth")) return "rgb/ without images";
+  if (const std::string color = color_folder(contents); !color.empty() && !depth_folder(contents).empty())
+    return fmt::format("{}/ without images that kinloop can read{}", color, endings_in(folder / color));
   const std::string image = contents.first_image();
   if (!image.empty() && contents.folders().empty()) {
     return fmt::format("a folder of images ({}, ...); each colour image needs a depth image", image);

@@ -1,5 +1,7 @@
 #include "drivers/image_files/image_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -8,10 +10,13 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/image_files/bmp.hpp"
 #include "drivers/image_files/fast_encoder.hpp"
 #include "drivers/image_files/jpeg_header.hpp"
+#include "drivers/image_files/netpbm.hpp"
 #include "drivers/image_files/png.hpp"
 #include "drivers/image_files/tiff_bytes.hpp"
+#include "drivers/image_files/tiff_file.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/files/text_file.hpp"
@@ -27,6 +32,55 @@ constexpr auto kPngSignature = "\x89PNG\r\n\x1a\n"sv;
 constexpr auto kJpegSignature = "\xff\xd8\xff"sv;
 constexpr auto kCutShort = "the file is truncated; copy it again"sv;
 constexpr auto kDamaged = "the file is damaged; copy it again"sv;
+
+bool is_any_tiff(std::string_view bytes) {
+  return is_tiff(bytes) || is_big_tiff(bytes);
+}
+
+bool is_webp(std::string_view bytes) {
+  constexpr size_t kForm = 8;
+  return bytes.starts_with("RIFF") && bytes.substr(std::min(kForm, bytes.size()), 4) == "WEBP";
+}
+
+std::optional<cv::Size> netpbm_size(std::string_view bytes) {
+  const auto header = parse_netpbm_header(bytes);
+  return header ? std::optional(cv::Size(header->width, header->height)) : std::nullopt;
+}
+
+std::optional<cv::Size> tiff_size_or_nothing(std::string_view bytes) {
+  try {
+    return color_tiff_size(bytes);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+cv::Mat tiff_or_nothing(std::string_view bytes) {
+  try {
+    return decode_color_tiff(bytes);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+/// A format without a need for speed: its decoder finds what is damaged.
+struct OtherFormat {
+  bool (*is)(std::string_view bytes);
+  std::optional<cv::Size> (*size)(std::string_view bytes);
+  cv::Mat (*decode)(std::string_view bytes);
+};
+
+constexpr std::array kOtherFormats = {
+    OtherFormat{is_netpbm, netpbm_size, decode_netpbm},
+    OtherFormat{is_bmp, bmp_size, decode_bmp},
+    OtherFormat{is_any_tiff, tiff_size_or_nothing, tiff_or_nothing},
+};
+
+const OtherFormat* other_format(std::string_view bytes) {
+  const auto* found = std::find_if(kOtherFormats.begin(), kOtherFormats.end(),
+                                   [&](const OtherFormat& format) { return format.is(bytes); });
+  return found == kOtherFormats.end() ? nullptr : found;
+}
 
 /// Walks the chunks (length, type, data, checksum) up to IEND (PNG specification, section 5.3).
 std::string_view png_damage(std::string_view bytes) {
@@ -91,11 +145,14 @@ cv::Mat bgr_from(const cv::Mat& image) {
 
 cv::Mat decode_image(std::string_view bytes) {
   if (bytes.starts_with(kPngSignature)) return decode_png(bytes);
-  return bytes.starts_with(kJpegSignature) ? decode_jpeg(bytes) : cv::Mat();
+  if (bytes.starts_with(kJpegSignature)) return decode_jpeg(bytes);
+  const auto* other = other_format(bytes);
+  return other == nullptr ? cv::Mat() : other->decode(bytes);
 }
 
 std::optional<cv::Size> encoded_size(std::string_view bytes) {
   if (bytes.starts_with(kJpegSignature)) return jpeg_size(bytes);
+  if (const auto* other = other_format(bytes)) return other->size(bytes);
   constexpr size_t kType = 12, kWidth = 16, kHeight = 20, kEnd = 24;  // IHDR comes first
   if (!bytes.starts_with(kPngSignature) || bytes.size() < kEnd || bytes.substr(kType, 4) != "IHDR")
     return std::nullopt;
@@ -111,8 +168,8 @@ std::string_view image_damage(std::string_view bytes) {
     constexpr int kCmyk = 4;
     return jpeg_components(bytes) == kCmyk ? "a CMYK image; convert it to RGB" : jpeg_damage(bytes);
   }
-  if (is_tiff(bytes) || is_big_tiff(bytes)) return "a TIFF image; convert it to PNG";
-  return "neither a PNG nor a JPEG image";
+  if (is_webp(bytes)) return "a WebP image, which kinloop cannot read; convert it to PNG or JPEG";
+  return other_format(bytes) == nullptr ? kNoImage : std::string_view();
 }
 
 std::string turned_by_exif(std::string_view bytes) {

@@ -1,6 +1,6 @@
 #pragma once
-// In: PNG and JPEG files. Out: colour and depth images in kinloop's formats. A truncated file is an error
-// here; the decoders alone would fill the missing part with grey.
+// In: image files: PNG, JPEG, PPM, PGM, BMP and TIFF. Out: colour and depth images in kinloop's formats. A
+// truncated file is an error here; the decoders alone would fill the missing part with grey.
 
 #include <filesystem>
 #include <optional>
@@ -21,11 +21,14 @@ class ImageFormatError : public InputError {
   using InputError::InputError;
 };
 
-/// Decodes the bytes of a PNG or JPEG file to 8 or 16 bits and one channel (grey) or three (BGR). Empty if
-/// they are damaged or no such file. Does not notice a truncated JPEG: see `image_damage`.
+/// What is said of a file that is no image.
+constexpr const char* kNoImage = "neither a PNG nor a JPEG image, nor PPM, PGM, BMP or TIFF";
+
+/// Decodes the bytes of an image file to 8 or 16 bits and one channel (grey) or three (BGR). Empty if they
+/// are damaged or no such file. Does not notice a truncated JPEG: see `image_damage`.
 cv::Mat decode_image(std::string_view bytes);
 
-/// Returns the size in the header of a PNG or JPEG file, which is the one that decoding gives; nullopt if it
+/// Returns the size in the header of an image file, which is the one that decoding gives; nullopt if it
 /// is no such file. A small file may hold a huge image: compare its size with that of the camera first.
 std::optional<cv::Size> encoded_size(std::string_view bytes);
 
@@ -39,7 +42,7 @@ bool is_color_of_16_bits(std::string_view bytes);
 /// Returns 8 bits per channel; 16 bits are scaled by 255 / 65535 and rounded.
 cv::Mat with_8_bits(const cv::Mat& image);
 
-/// Reads a colour PNG, of which 8 bits per channel are kept, an 8-bit grey PNG or a JPEG. A JPEG is kept as
+/// Reads colour, of which 8 bits per channel are kept, or grey of 8 bits. A JPEG is kept as
 /// it is, with only its grey image decoded. Throws InputError naming the file and the problem.
 ColorImage read_color_image(const std::filesystem::path& path);
 
@@ -54,8 +57,8 @@ cv::Mat decode_depth_image(const std::string& bytes, const std::filesystem::path
 /// Returns the bytes of an image file. Throws InputError if it cannot be read, or is larger than any image.
 std::string read_image_bytes(const std::filesystem::path& path);
 
-/// Returns what is wrong with the bytes of a PNG or JPEG file ("truncated"), or an empty string if it is
-/// intact.
+/// Returns what is wrong with the bytes of an image file ("truncated"), or an empty string if it is intact,
+/// or decoding it tells.
 std::string_view image_damage(std::string_view bytes);
 
 /// Converts 32FC1 metres to 16-bit units, `depth_scale` per metre; 0 if unknown or too far for 16 bits (some

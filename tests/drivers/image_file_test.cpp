@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kinloop/core/files/text_file.hpp"
+#include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"
 #include "tests/support/expect_error.hpp"
 
@@ -37,6 +38,65 @@ TEST(ReadColorImage, JpegIsReadClosely) {
   const cv::Mat read = read_color_image(folder.write("a.jpg", encoded(smooth, ".jpg"))).bgr();
   ASSERT_EQ(read.type(), CV_8UC3);
   EXPECT_LT(difference(read, smooth), 20);
+}
+
+/// Formats of colour beside PNG and JPEG.
+class OtherFormats : public testing::TestWithParam<const char*> {
+ protected:
+  /// Of colour, but for PGM, which has none.
+  [[nodiscard]] static cv::Mat image(int seed, cv::Size size = {test::kWidth, test::kHeight}) {
+    return make_color(seed, std::string(GetParam()) == ".pgm" ? CV_8UC1 : CV_8UC3, size);
+  }
+};
+
+TEST_P(OtherFormats, AreReadExactly) {
+  const TempFolder folder;
+  for (const cv::Mat& written : {image(1), image(2, {31, 7})}) {  // the latter has rows that BMP pads
+    const std::string bytes = encoded(written, GetParam());
+    cv::Mat expected = written;
+    if (written.channels() == 1) cv::cvtColor(written, expected, cv::COLOR_GRAY2BGR);
+    EXPECT_EQ(encoded_size(bytes), written.size());
+    EXPECT_EQ(difference(read_color_image(folder.write("a", bytes)).bgr(), expected), 0);
+  }
+}
+
+TEST_P(OtherFormats, OfGreyAreThreeEqualChannels) {
+  if (std::string(GetParam()) == ".ppm") GTEST_SKIP() << "PPM has no grey";
+  const TempFolder folder;
+  const cv::Mat grey = make_color(3, CV_8UC1);
+  cv::Mat expected;
+  cv::cvtColor(grey, expected, cv::COLOR_GRAY2BGR);
+  EXPECT_EQ(difference(read_color_image(folder.write("a", encoded(grey, GetParam()))).bgr(), expected), 0);
+}
+
+TEST_P(OtherFormats, CutShortOrChangedAreReadOrRefused) {
+  const TempFolder folder;
+  const std::string whole = encoded(image(5), GetParam());
+  int refused = 0;
+  const auto try_bytes = [&](const std::string& bytes) {
+    try {
+      static_cast<void>(decode_color_image(bytes, "a"));
+    } catch (const InputError&) {
+      ++refused;
+    }
+  };
+  for (size_t size = 0; size < whole.size(); size += 7) try_bytes(whole.substr(0, size));
+  EXPECT_GT(refused, 50);
+  Random random(8);
+  for (int i = 0; i < test::mutations(300); ++i) try_bytes(test::mutated(whole, random));
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, OtherFormats, testing::Values(".ppm", ".pgm", ".bmp", ".tiff"),
+                         [](const auto& format) { return std::string(format.param + 1); });
+
+TEST(ReadColorImage, DeepPpmAndGreyOfSixteenBits) {
+  const TempFolder folder;
+  cv::Mat deep;
+  make_color(1).convertTo(deep, CV_16U, 257);
+  EXPECT_EQ(difference(read_color_image(folder.write("a.ppm", encoded(deep, ".ppm"))).bgr(), make_color(1)),
+            0);
+  const auto grey = folder.write("a.pgm", encoded(make_depth(1500), ".pgm"));
+  EXPECT_THAT(input_error([&] { read_color_image(grey); }), HasSubstr("grey of 16 bits"));
 }
 
 TEST(ReadColorImage, ContentCountsNotTheNameOfTheFile) {
@@ -150,7 +210,7 @@ TEST(ImageDamage, OtherFilesAreNoImages) {
   const TempFolder folder;
   EXPECT_THAT(image_damage("hello"), HasSubstr("neither"));
   EXPECT_THAT(image_damage(""), HasSubstr("empty"));
-  EXPECT_THAT(image_damage(encoded(make_color(1), ".bmp")), HasSubstr("neither"));
+  EXPECT_THAT(image_damage(encoded(make_color(1), ".webp")), HasSubstr("a WebP image"));
   EXPECT_THAT(input_error([&] { read_color_image(folder.path() / "none.png"); }), HasSubstr("no such file"));
   EXPECT_THAT(input_error([&] { read_color_image(folder.path()); }), HasSubstr("not a regular file"));
 }

@@ -58,7 +58,6 @@ TEST(JpegHeader, CmykIsToldFromDamage) {
   cmyk[cmyk.find("\xff\xc0"s) + 9] = 4;
   EXPECT_EQ(jpeg_components(cmyk), 4);
   EXPECT_THAT(std::string(image_damage(cmyk)), HasSubstr("CMYK"));
-  EXPECT_THAT(std::string(image_damage("II*\0tiff"s)), HasSubstr("TIFF"));
 }
 
 }  // namespace

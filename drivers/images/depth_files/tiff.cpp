@@ -1,103 +1,21 @@
 #include <algorithm>
 #include <array>
-#include <cstdarg>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 #include <vector>
 
 #include <fmt/format.h>
-#include <tiffio.h>
 
+#include "drivers/image_files/tiff_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "drivers/images/depth_files/depth_formats.hpp"
 #include "kinloop/core/errors.hpp"
-#include "kinloop/sensor/images/image_limits.hpp"
 
 namespace kinloop {
 namespace {
 
-using TiffFile = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
-
 [[noreturn]] void reject_damaged() {
-  throw InputError("the TIFF file is damaged or truncated; copy it again");
-}
-
-/// The bytes of a file as libtiff reads them.
-struct TiffMemory {
-  std::string_view bytes;
-  uint64_t at = 0;
-};
-
-tmsize_t read_memory(thandle_t handle, void* to, tmsize_t count) {
-  auto& memory = *static_cast<TiffMemory*>(handle);
-  if (count <= 0 || memory.at >= memory.bytes.size()) return 0;
-  const size_t size = std::min(static_cast<size_t>(count), memory.bytes.size() - memory.at);
-  std::memcpy(to, memory.bytes.data() + memory.at, size);
-  memory.at += size;
-  return static_cast<tmsize_t>(size);
-}
-
-tmsize_t refuse_to_write(thandle_t /*handle*/, void* /*from*/, tmsize_t /*count*/) {
-  return 0;
-}
-
-toff_t seek_memory(thandle_t handle, toff_t offset, int whence) {
-  auto& memory = *static_cast<TiffMemory*>(handle);
-  const uint64_t from = whence == SEEK_CUR ? memory.at : whence == SEEK_END ? memory.bytes.size() : 0;
-  return memory.at = from + offset;
-}
-
-int keep_open(thandle_t /*handle*/) {
-  return 0;
-}
-
-toff_t size_of_memory(thandle_t handle) {
-  return static_cast<TiffMemory*>(handle)->bytes.size();
-}
-
-int map_memory(thandle_t handle, void** base, toff_t* size) {
-  const std::string_view bytes = static_cast<TiffMemory*>(handle)->bytes;
-  *base = const_cast<char*>(bytes.data());  // libtiff does not write to a file opened for reading
-  *size = bytes.size();
-  return 1;
-}
-
-void unmap_memory(thandle_t /*handle*/, void* /*base*/, toff_t /*size*/) {}
-
-/// Opens the first image, without messages on stderr. The memory must outlive the result.
-TiffFile open_tiff(TiffMemory& memory) {
-  constexpr const char *kName = "TIFF", *kRead = "r";
-#if TIFFLIB_VERSION >= 20221213  // 4.5.0
-  constexpr uint64_t kMostBytes = kMaxDecodedPixels * sizeof(double);
-  const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(
-      require_memory(TIFFOpenOptionsAlloc()), TIFFOpenOptionsFree);
-  constexpr TIFFErrorHandlerExtR kSilent = [](TIFF*, void*, const char*, const char*, va_list) { return 1; };
-  TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), static_cast<tmsize_t>(kMostBytes));
-  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), kSilent, nullptr);
-  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), kSilent, nullptr);
-  TiffFile file(TIFFClientOpenExt(kName, kRead, &memory, read_memory, refuse_to_write, seek_memory, keep_open,
-                                  size_of_memory, map_memory, unmap_memory, options.get()),
-                TIFFClose);
-#else
-  // Before 4.5, handlers are those of the process.
-  static const std::array kBefore = {TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr)};
-  static_cast<void>(kBefore);
-  TiffFile file(TIFFClientOpen(kName, kRead, &memory, read_memory, refuse_to_write, seek_memory, keep_open,
-                               size_of_memory, map_memory, unmap_memory),
-                TIFFClose);
-#endif
-  if (!file) reject_damaged();
-  return file;
-}
-
-/// Returns the value of a tag, or its default; 0 without either.
-template <class Value>
-Value tiff_value(const TiffFile& file, uint32_t tag) {
-  Value value{};
-  TIFFGetFieldDefaulted(file.get(), tag, &value);
-  return value;
+  reject_damaged_tiff();
 }
 
 /// Throws if there is a second image that is not a smaller copy or a mask of the first.

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/images/pgm.hpp"
 #include "drivers/image_files/image_file.hpp"
+#include "drivers/image_files/netpbm.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "drivers/images/depth_files/inflate.hpp"
 #include "drivers/images/encoded_image.hpp"
@@ -69,7 +69,7 @@ cv::Mat decode_numbers(const std::string& bytes, const std::filesystem::path& fi
   } catch (const InputError& error) {
     reject_depth(file, error.what());
   }
-  cv::Mat units = decode_pgm(bytes);
+  cv::Mat units = decode_netpbm(bytes);
   if (units.empty()) reject_depth(file, "the PGM is truncated or damaged; copy it again");
   if (units.type() != CV_16UC1)
     throw ImageFormatError(fmt::format("{}: a PGM of 8 bits; export depth with 16 bits", file.string()));

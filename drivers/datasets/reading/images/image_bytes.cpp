@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "drivers/datasets/reading/images/pgm.hpp"
 #include "drivers/image_files/image_file.hpp"
 #include "drivers/images/depth_files/depth_file.hpp"
 #include "kinloop/core/errors.hpp"
@@ -51,12 +50,8 @@ std::optional<cv::Size> size_of_depth_file(std::string_view bytes) {
 
 std::optional<cv::Size> size_in_header(std::string_view bytes) {
   constexpr int kMax_px = 30'000;
-  std::optional<cv::Size> size;
-  if (const auto header = parse_pgm_header(bytes)) {
-    size = cv::Size(header->width, header->height);
-  } else if (size = encoded_size(bytes); !size) {
-    size = size_of_depth_file(bytes);
-  }
+  auto size = encoded_size(bytes);
+  if (!size) size = size_of_depth_file(bytes);
   const bool plausible =
       size && size->width > 0 && size->height > 0 && size->width <= kMax_px && size->height <= kMax_px;
   return plausible ? size : std::nullopt;
@@ -68,9 +63,11 @@ cv::Size image_size(const std::vector<RecordedFrame>& frames, ImageLocation Reco
   for (size_t i = 0; i < std::min(kTried, frames.size()); ++i) {
     const ImageLocation& location = frames[i].*image;
     try {
-      if (const auto size = size_in_header(read_bytes(location))) return *size;
+      const std::string bytes = read_bytes(location);
+      if (const auto size = size_in_header(bytes)) return *size;
+      const std::string_view damage = image_damage(bytes);
       if (first_problem.empty())
-        first_problem = fmt::format("{}: neither a PNG nor a JPEG image", location.file.string());
+        first_problem = fmt::format("{}: {}", location.file.string(), damage.empty() ? kNoImage : damage);
     } catch (const InputError& error) {
       if (first_problem.empty()) first_problem = error.what();
     }
