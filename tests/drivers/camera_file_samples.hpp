@@ -117,7 +117,64 @@ inline const std::vector<CameraFileSample>& camera_file_samples() {
       {"matrix in JSON or YAML", "K.json", R"({"K": [[525.5, 0, 318.25], [0, 526.5, 240.75], [0, 0, 1]]})"},
       {"matrix in JSON or YAML", "scene_camera.json",
        R"({"0": {"cam_K": [525.5, 0, 318.25, 0, 526.5, 240.75, 0, 0, 1], "depth_scale": 0.1},
- "1": {"cam_K": [525.5, 0, 318.25, 0, 526.5, 240.75, 0, 0, 1], "depth_scale": 0.1}})"},
+ "1": {"cam_K": [525.5, 0, 318.25, 0, 526.5, 240.75, 0, 0, 1], "depth_scale": 0.1}})",
+       false, 10'000},
+      {"fx, fy, cx, cy in JSON or YAML", "bop_camera.json",
+       R"({"cx": 318.25, "cy": 240.75, "depth_scale": 0.1, "fx": 525.5, "fy": 526.5, "height": 480, "width": 640})",
+       true, 10'000},
+      {"camodocal or VINS camera", "cam0_pinhole.yaml",
+       "%YAML:1.0\n---\nmodel_type: PINHOLE\ncamera_name: camera\nimage_width: 640\nimage_height: 480\n"
+       "distortion_parameters:\n   k1: 0.25\n   k2: -0.5\n   p1: 0.001\n   p2: -0.002\n"
+       "projection_parameters:\n   fx: 525.5\n   fy: 526.5\n   cx: 318.25\n   cy: 240.75\n",
+       true, 0, true},
+      {"camodocal or VINS camera", "realsense_color_config.yaml",
+       "%YAML:1.0\nmodel_type: PINHOLE\nimage_width: 640\nimage_height: 480\ndistortion_parameters:\n   k1: "
+       "0.25\n"
+       "   k2: -0.5\n   p1: 0.001\n   p2: -0.002\nprojection_parameters:\n   fx: 525.5\n   fy: 526.5\n"
+       "   cx: 318.25\n   cy: 240.75\nestimate_extrinsic: 0\nextrinsicRotation: !!opencv-matrix\n   rows: 1\n"
+       "   cols: 2\n   dt: d\n   data: [0.5, 0.7]\nestimate_td: 1\n",
+       true, 0, true},
+      {"Basalt calibration", "basalt_calibration.json",
+       R"({"value0": {"T_imu_cam": [{"px": 1, "py": 2}], "intrinsics": [{"camera_type": "pinhole-radtan8", "intrinsics":
+ {"fx": 525.5, "fy": 526.5, "cx": 318.25, "cy": 240.75, "k1": 0.25, "k2": -0.5, "p1": 0.001, "p2": -0.002, "k3": 0,
+ "k4": 0, "k5": 0, "k6": 0}}], "resolution": [[640, 480]]}})",
+       true, 0, true},
+      {"MATLAB camera parameters", "cameraParams.json",
+       R"({"FocalLength": [525.5, 526.5], "PrincipalPoint": [319.25, 241.75], "ImageSize": [480, 640],
+ "RadialDistortion": [0.25, -0.5], "TangentialDistortion": [0.001, -0.002]})",
+       true, 0, true},
+      {"MATLAB camera parameters", "matlab_camera.json",
+       R"({"IntrinsicMatrix": [[525.5, 0, 0], [0, 526.5, 0], [319.25, 241.75, 1]], "ImageSize": [480, 640],
+ "RadialDistortion": [0.25, -0.5, 0], "TangentialDistortion": [0.001, -0.002]})",
+       true, 0, true},
+      {"Agisoft calibration", "camera_agisoft.txt",
+       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration>\n  <projection>frame</projection>\n"
+       "  <width>640</width>\n  <height>480</height>\n  <f>526.5</f>\n  <cx>-1.25</cx>\n  <cy>1.25</cy>\n"
+       "  <b1>-1</b1>\n  <k1>0.25</k1>\n  <k2>-0.5</k2>\n  <p1>-0.002</p1>\n  <p2>0.001</p2>\n"
+       "  <date>2024-01-01T00:00:00Z</date>\n</calibration>\n",
+       true, 0, true},
+      {"matrix in JSON or YAML", "opencv_camera.txt",
+       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>640</image_width>\n"
+       "<image_height>480</image_height>\n<board_width>9</board_width>\n"
+       "<camera_matrix type_id=\"opencv-matrix\">\n  <rows>3</rows>\n  <cols>3</cols>\n  <dt>d</dt>\n"
+       "  <data>\n    525.5 0. 318.25 0. 526.5 240.75 0. 0. 1.</data></camera_matrix>\n"
+       "<distortion_coefficients type_id=\"opencv-matrix\">\n  <rows>5</rows>\n  <cols>1</cols>\n  "
+       "<dt>d</dt>\n"
+       "  <data>0.25 -0.5 0.001 -0.002 0.</data></distortion_coefficients>\n</opencv_storage>\n",
+       true, 0, true},
+      {"fx, fy, cx, cy in JSON or YAML", "zed_camera.json",
+       R"({"calibration_parameters": {"left_cam": {"fx": 525.5, "fy": 526.5, "cx": 318.25, "cy": 240.75,
+ "disto": [0.25, -0.5, 0.001, -0.002, 0], "image_size": {"width": 640, "height": 480}},
+ "right_cam": {"fx": 500, "fy": 500, "cx": 320, "cy": 240, "disto": [0.3, 0, 0, 0, 0]}}})",
+       true, 0, true},
+      {"matrix in JSON or YAML", "nested_camera.yaml",
+       "K: [[525.5, 0, 318.25], [0, 526.5, 240.75], [0, 0, 1]]\nimage_size: {width: 640, height: 480}\n"
+       "distortion: {model: radtan, k1: 0.25, k2: -0.5, p1: 0.001, p2: -0.002}\n",
+       true, 0, true},
+      {"fx, fy, cx, cy in JSON or YAML", "nested_camera.json",
+       R"({"camera": {"intrinsics": {"fx": 525.5, "fy": 526.5, "cx": 318.25, "cy": 240.75}}, "distortion":
+ {"radial": [0.25, -0.5, 0], "tangential": [0.001, -0.002]}})",
+       false, 0, true},
       {"fx, fy, cx, cy in JSON or YAML", "realsense.json",
        R"({"width": 640, "height": 480, "ppx": 318.25, "ppy": 240.75, "fx": 525.5, "fy": 526.5,
  "model": "distortion.inverse_brown_conrady", "coeffs": [0, 0, 0, 0, 0], "depth_scale": 0.0010000000474974513})",

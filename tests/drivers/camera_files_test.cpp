@@ -93,6 +93,68 @@ TEST(CameraFiles, FisheyeAndRationalLensesHaveTheirModels) {
             lens_with(LensModel::kRational, std::vector{1., 2., 0.1, 0.2, 3., 4., 5., 6.}));
 }
 
+TEST(CameraFiles, FisheyeOfCamodocalBasaltAndOpenCv) {
+  const TempFolder folder;
+  const auto lens = [&](const char* name, const char* text) {
+    return read_camera_description(folder.write(name, text)).camera.color;
+  };
+  const LensDistortion fisheye = lens_with(LensModel::kKannalaBrandt, std::vector{0.1, 0.2, 0.3, 0.4});
+  const PinholeCamera camodocal = lens(
+      "cam.yaml",
+      "%YAML:1.0\nmodel_type: KANNALA_BRANDT\nimage_width: 640\nimage_height: 480\nprojection_parameters:\n"
+      "  k2: 0.1\n  k3: 0.2\n  k4: 0.3\n  k5: 0.4\n  mu: 300\n  mv: 301\n  u0: 320\n  v0: 240\n");
+  EXPECT_EQ(camodocal.lens, fisheye);
+  EXPECT_EQ(camodocal.fy, 301);
+  EXPECT_EQ(lens("b.json",
+                 R"({"value0": {"intrinsics": [{"camera_type": "kb4", "intrinsics": {"fx": 300, "fy": 300,
+ "cx": 320, "cy": 240, "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4}}]}})")
+                .lens,
+            fisheye);
+  EXPECT_EQ(
+      lens("cv.yaml",
+           "%YAML:1.0\nfisheye_model: 1\nK: [300, 0, 320, 0, 300, 240, 0, 0, 1]\nD: [0.1, 0.2, 0.3, 0.4]\n")
+          .lens,
+      fisheye);
+}
+
+TEST(CameraFiles, APartThatIsNotUnderstoodIsNamed) {
+  struct Part {
+    const char* key;
+    const char* text;  ///< beside fx, fy, cx and cy
+  };
+  const std::vector<Part> parts = {
+      {"lens_distortion", R"("lens_distortion": [0.1, 0.2])"},
+      {"distortionModelCoeffs", R"("distortionModelCoeffs": {"a": 0.1})"},
+      {"s1", R"("s1": 0.02)"},
+      {"extrinsics", R"("extrinsics": {"R": [0.9, 0.1], "t": [0.02, 0, 0]})"},
+      {"depth_to_color", R"("depth_to_color": [0.02, 0, 0])"},
+      {"rotation", R"("rotation": [0.99, 0.01, 0])"},
+      {"depth_unit", R"("depth_unit": "cm")"},
+      {"DepthScaling", R"("DepthScaling": 4000)"},
+      {"depthShift", R"("depthShift": 1090)"},
+      {"resolution", R"("resolution": "640x480")"},
+      {"binning_x", R"("binning_x": 2)"},
+      {"roi", R"("roi": {"x_offset": 16, "y_offset": 0, "width": 640, "height": 480})"},
+  };
+  const TempFolder folder;
+  for (const Part& part : parts) {
+    SCOPED_TRACE(part.key);
+    const auto file = folder.write(
+        "a.json", fmt::format("{{\"fx\": 300, \"fy\": 300, \"cx\": 320, \"cy\": 240,\n{}}}", part.text));
+    EXPECT_THAT(input_error([&] { static_cast<void>(read_camera_description(file)); }),
+                AllOf(HasSubstr(fmt::format("a.json:2: key '{}'", part.key)), HasSubstr("not understood")));
+  }
+  for (const char* harmless :
+       {R"("lens_distortion": [0, 0])", R"("extrinsics": {"R": [1, 0, 0, 1], "t": [0, 0]})",
+        R"("T_imu_cam": [0.5, 0.1])", R"("rectification_matrix": [0.9, 0.1])", R"("board_width": 9)",
+        R"("roi": {"x_offset": 0, "width": 0})", R"("binning_x": 1)", R"("max_distance": 3.5)"}) {
+    SCOPED_TRACE(harmless);
+    const auto file = folder.write(
+        "b.json", fmt::format("{{\"fx\": 300, \"fy\": 300, \"cx\": 320, \"cy\": 240, {}}}", harmless));
+    EXPECT_EQ(read_camera_description(file).camera.color.fx, 300);
+  }
+}
+
 TEST(CameraFiles, WhatIsWrongIsNamedWithTheRemedy) {
   struct Bad {
     const char* file;
@@ -138,6 +200,16 @@ TEST(CameraFiles, WhatIsWrongIsNamedWithTheRemedy) {
        "cam0: {camera_model: omni, intrinsics: [1, 2, 3, 4, 5]}\n",
        {"a.yaml:1: cam0", "pinhole-radtan"}},
       {"a.yaml", "focal: 525\n", {"a.yaml:1", "unknown key 'focal'"}},
+      {"a.yaml",
+       "%YAML:1.0\nmodel_type: MEI\nmirror_parameters: {xi: 1.9}\nprojection_parameters: {gamma1: 300}\n",
+       {"a.yaml: model_type 'mei'", "undistort"}},
+      {"a.json",
+       R"({"value0": {"intrinsics": [{"camera_type": "ds", "intrinsics": {"fx": 3}}]}})",
+       {"camera_type 'ds'"}},
+      {"a.yaml",
+       "K: [300, 0, 320, 0, 300, 240, 0, 0, 1]\nD: [0.1, 0.2, 0.3, 0.4]\ndistortion_model: double_sphere\n",
+       {"double_sphere"}},
+      {"SN1234.conf", "[LEFT_CAM_HD]\nfx=700\nfy=700\n", {"factory calibration of a ZED", "--intrinsics"}},
       {"cameras.txt", "1 PINHOLE 640 480 525 525 320\n", {"cameras.txt:1: 7 fields", "has 8"}},
       {"cameras.txt", "1 FOV 640 480 525 525 320 240 1\n", {"cameras.txt:1: the camera model FOV"}},
       {"cameras.txt",

@@ -119,8 +119,9 @@ CameraDocument CameraDocument::read(const std::filesystem::path& file) {
   if (ending == ".json") {
     document.values_ = read_json(file);
   } else if (const size_t first = text.find_first_not_of(" \t\r\n"); first != std::string::npos) {
+    if (text[first] == '<') document.values_ = parse_camera_xml(text).value_or(json());
     if (text[first] == '{') document.values_ = parse_json(text);
-    if (!document.values_.is_object() && text.size() <= kMaxYamlBytes) {
+    if (!document.values_.is_object() && text[first] != '<' && text.size() <= kMaxYamlBytes) {
       const bool yaml = ending == ".yaml" || ending == ".yml" || text.starts_with("%YAML");
       try {
         document.values_ = parse_camera_yaml(text, file);
@@ -160,6 +161,14 @@ bool CameraValues::has_list(std::initializer_list<std::string_view> keys) const 
   return value != nullptr && (value->is_array() || (value->is_object() && value->contains("data")));
 }
 
+std::optional<CameraValues> CameraValues::object_at(std::initializer_list<std::string_view> keys) const {
+  for (const std::string_view key : keys) {
+    const json* value = find_one(key);
+    if (value != nullptr && value->is_object()) return CameraValues(*document_, *value, std::string(key));
+  }
+  return std::nullopt;
+}
+
 std::vector<CameraValues> CameraValues::with_objects_below() const {
   constexpr int kDepth = 2;
   std::vector<CameraValues> all = {*this};
@@ -182,6 +191,7 @@ std::optional<double> CameraValues::number(std::initializer_list<std::string_vie
   for (const std::string_view key : keys) {
     const json* value = find_one(key);
     if (value == nullptr) continue;
+    document_->note_used(*value);
     std::optional<double> number;
     if (value->is_number()) number = value->get<double>();
     if (value->is_string()) number = parse_scalar(value->get_ref<const std::string&>());
@@ -201,6 +211,7 @@ std::vector<double> CameraValues::numbers(std::initializer_list<std::string_view
   for (const std::string_view key : keys) {
     const json* value = find_one(key);
     if (value == nullptr) continue;
+    document_->note_used(*value);
     if (value->is_object()) value = CameraValues(*document_, *value).find({"data"});
     std::vector<double> numbers;
     bool all_numbers = value != nullptr && value->is_array();
@@ -214,6 +225,7 @@ std::vector<double> CameraValues::numbers(std::initializer_list<std::string_view
 
 std::string CameraValues::word(std::initializer_list<std::string_view> keys) const {
   const json* value = find(keys);
+  if (value != nullptr) document_->note_used(*value);
   return value != nullptr && value->is_string() ? lower_case(value->get<std::string>()) : std::string();
 }
 

@@ -16,6 +16,10 @@ constexpr std::array kCameraFormats = {
     CameraFormat{"COLMAP cameras.txt", read_colmap},
     CameraFormat{"ORB-SLAM or stella_vslam settings", read_slam_settings},
     CameraFormat{"Kalibr camchain", read_kalibr},
+    CameraFormat{"camodocal or VINS camera", read_camodocal},
+    CameraFormat{"Basalt calibration", read_basalt},
+    CameraFormat{"MATLAB camera parameters", read_matlab},
+    CameraFormat{"Agisoft calibration", read_agisoft},
     CameraFormat{"Nerfstudio transforms.json", read_transforms},
     CameraFormat{"matrix in JSON or YAML", read_matrix_values},
     CameraFormat{"fx, fy, cx, cy in JSON or YAML", read_focal_lengths},
@@ -77,6 +81,7 @@ std::optional<MatrixIntrinsics> intrinsics_of_matrix(std::span<const double> m) 
 std::optional<CameraDescription> find_description(const std::filesystem::path& file) {
   const CameraDocument document = CameraDocument::read(file);
   for (const CameraFormat& format : kCameraFormats) {
+    document.forget_used();
     if (auto description = format.read(document)) {
       description->format = format.name;
       return description;
@@ -87,6 +92,12 @@ std::optional<CameraDescription> find_description(const std::filesystem::path& f
 
 CameraDescription read_camera_description(const std::filesystem::path& file) {
   if (auto description = find_description(file)) return *description;
+  if (CameraDocument::read(file).text().find("[LEFT_CAM_") != std::string::npos) {
+    throw InputError(fmt::format(
+        "{}: the factory calibration of a ZED, of images that its SDK has not rectified; give the SDK's "
+        "calibration_parameters.left_cam by --intrinsics fx,fy,cx,cy",
+        file.string()));
+  }
   if (is_yaml_name(file)) return own_description(CameraDocument::read(file));  // says which key is missing
   throw InputError(
       fmt::format("{}: no camera in a known format; write a camera.yaml, or use --intrinsics fx,fy,cx,cy",

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/datasets/camera_files/camera_description.hpp"
+#include "kinloop/core/errors.hpp"
 
 namespace kinloop {
 
@@ -22,7 +24,8 @@ namespace kinloop {
 class CameraDocument {
  public:
   /// Reads a file. Throws InputError naming the file, and the line if it is damaged, for one that is too
-  /// large, binary or UTF-16, or that has the ending of JSON or YAML and is something else.
+  /// large, binary or UTF-16, or that has the ending of JSON or YAML and is something else. XML is an object
+  /// of its elements.
   static CameraDocument read(const std::filesystem::path& file);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
@@ -34,11 +37,27 @@ class CameraDocument {
   /// Throws InputError naming the file and the first line with `key`.
   [[noreturn]] void reject(std::string_view key, const std::string& what) const;
 
+  /// Values that a reader of a format has asked for.
+  void forget_used() const { used_.clear(); }
+  void note_used(const nlohmann::json& value) const { used_.insert(&value); }
+  [[nodiscard]] bool is_used(const nlohmann::json& value) const { return used_.contains(&value); }
+
  private:
   std::filesystem::path file_;
   std::string text_;  ///< without a byte-order mark
   nlohmann::json values_;
+  mutable std::set<const nlohmann::json*> used_;
 };
+
+/// A file that is that of a camera, with a part that is not understood and would change the result.
+class CameraPartError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// Throws CameraPartError naming the first key of an object, or of those in it, that looks like distortion,
+/// extrinsics of depth, a unit of depth or a size of images, states something and was not asked for.
+void require_understood(const CameraDocument& document, const nlohmann::json& object);
 
 /// An object in a document. A key "a.b" is that key, or b in the object a: ORB-SLAM writes the one,
 /// stella_vslam the other.
@@ -75,7 +94,11 @@ class CameraValues {
   /// Returns the text in small letters; empty if there is none.
   [[nodiscard]] std::string word(std::initializer_list<std::string_view> keys) const;
 
+  /// Returns the object of the first of the keys that is there; nullopt if there is none.
+  [[nodiscard]] std::optional<CameraValues> object_at(std::initializer_list<std::string_view> keys) const;
+
   [[nodiscard]] const CameraDocument& document() const { return *document_; }
+  [[nodiscard]] const nlohmann::json& object() const { return *object_; }
 
  private:
   [[nodiscard]] const nlohmann::json* find_one(std::string_view key) const;
@@ -109,6 +132,14 @@ std::optional<CameraDescription> read_own_camera(const CameraDocument& document)
 std::optional<CameraDescription> read_slam_settings(const CameraDocument& document);
 /// camchain.yaml of Kalibr; its first camera.
 std::optional<CameraDescription> read_kalibr(const CameraDocument& document);
+/// Camera files of camodocal, which VINS and its relatives use: PINHOLE and KANNALA_BRANDT.
+std::optional<CameraDescription> read_camodocal(const CameraDocument& document);
+/// calibration.json of Basalt; its first camera.
+std::optional<CameraDescription> read_basalt(const CameraDocument& document);
+/// JSON of MATLAB's cameraParameters or cameraIntrinsics.
+std::optional<CameraDescription> read_matlab(const CameraDocument& document);
+/// XML of Agisoft Metashape.
+std::optional<CameraDescription> read_agisoft(const CameraDocument& document);
 /// transforms.json of Nerfstudio and instant-ngp.
 std::optional<CameraDescription> read_transforms(const CameraDocument& document);
 /// OpenCV's FileStorage, ROS's camera_info and others with a matrix of intrinsics, such as Open3D's.
@@ -128,6 +159,10 @@ struct MatrixIntrinsics {
   double fx = 0, fy = 0, cx = 0, cy = 0;
 };
 std::optional<MatrixIntrinsics> intrinsics_of_matrix(std::span<const double> numbers);
+
+/// Parses XML as far as camera files use it: elements become objects, numbers or lists of numbers, or texts;
+/// attributes are left out. nullopt if it is damaged or nested more than 16 deep.
+std::optional<nlohmann::json> parse_camera_xml(std::string_view text);
 
 /// Starts the description of a document.
 CameraDescription description_of(const CameraDocument& document);

@@ -32,7 +32,7 @@ bool contains_one_of(const std::string& text, std::initializer_list<const char*>
 
 CameraName judge_name(const fs::path& name, bool is_above) {
   const std::string stem = lower_case(name.stem().string()), ending = lower_case(name.extension().string());
-  const bool values = ending == ".json" || ending == ".yaml" || ending == ".yml";
+  const bool values = ending == ".json" || ending == ".yaml" || ending == ".yml" || ending == ".xml";
   const bool array = ending == ".npy";  // often of something else, such as intrinsics of each frame
   if (stem.starts_with('.') || (!values && !array && ending != ".txt")) return CameraName::kNone;
   if (contains_one_of(stem, {"extrinsic", "pose", "traj", "time", "associat", "groundtruth"}))
@@ -57,6 +57,8 @@ std::optional<CameraDescription> try_camera(const fs::path& file, CameraName nam
   if (fs::file_size(file, absent) > kMostBytes || absent) return std::nullopt;
   try {
     return find_description(file);
+  } catch (const CameraPartError&) {
+    throw;  // it is a camera; without that part it would be another one
   } catch (const InputError&) {
     return std::nullopt;
   }

@@ -42,6 +42,17 @@ std::vector<double> settings_distortion(const CameraValues& values, const std::s
   return coefficients;
 }
 
+/// The keys of the camera: those with its prefix, or in its object.
+void require_settings_understood(const CameraDocument& document, const std::string& prefix) {
+  const nlohmann::json& all = document.values();
+  if (const auto found = all.find(prefix); found != all.end()) require_understood(document, *found);
+  for (const auto& [key, value] : all.items()) {
+    if (!key.starts_with(prefix + ".") || document.is_used(value)) continue;
+    const std::string name = key.substr(prefix.size() + 1);
+    require_understood(document, nlohmann::json{{name, value}});
+  }
+}
+
 }  // namespace
 
 std::optional<CameraDescription> read_slam_settings(const CameraDocument& document) {
@@ -61,6 +72,7 @@ std::optional<CameraDescription> read_slam_settings(const CameraDocument& docume
           {"RGBD.DepthMapFactor", "DepthMapFactor", "Preprocessing.depthmap_factor", "depthmap_factor"}))
     set_depth_scale(description, *factor);
   if (const auto fps = values.number({"Camera.fps"})) set_fps(description, *fps);
+  require_settings_understood(document, prefix);
   return description;
 }
 
@@ -83,6 +95,7 @@ std::optional<CameraDescription> read_kalibr(const CameraDocument& document) {
   if (const auto size = camera.numbers({"resolution"}); size.size() == kSize)
     set_size(description, size[0], size[1]);
   set_distortion(description, d, fisheye ? DistortionModel::kFisheye : DistortionModel::kOpenCv);
+  require_understood(document, camera.object());
   return description;
 }
 

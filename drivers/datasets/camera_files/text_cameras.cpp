@@ -138,6 +138,8 @@ bool is_colmap_line(const TextLine& line) {
       "SIMPLE_RADIAL_FISHEYE",     "RADIAL_FISHEYE", "FOV", "THIN_PRISM_FISHEYE", "SIMPLE_FISHEYE",
       "RAD_TAN_THIN_PRISM_FISHEYE"};  // which kinloop does not have
   if (line.fields.size() <= kColmapModelField) return false;
+  if (line.fields[0].find_first_not_of("0123456789") != std::string::npos)
+    return false;  // the number of a camera
   const std::string& name = line.fields[kColmapModelField];
   return find_colmap_model(name) != nullptr ||
          std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end();
