@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "apps/shared/command_line/common_options.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
 #include "drivers/datasets/open_sequence.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
@@ -44,7 +46,27 @@ struct Probed {
   std::vector<Frame> frames;
   SkippedFrames skipped;
   size_t truth = 0;
+  Pairing pairing;
+  std::string first_pair, worst_pair;  ///< "1.png with 2.png"; empty: not of single files
 };
+
+std::string text_of(const RecordedFrame& frame) {
+  return fmt::format("{} with {}", frame.color.file.filename().string(),
+                     frame.depth.file.filename().string());
+}
+
+void note_pairs(const RecordedSequence& sequence, Probed& probed) {
+  const auto& frames = sequence.frames;
+  probed.pairing = sequence.pairing;
+  if (frames.empty() || !sequence.video.empty() || frames.front().color.size > 0) return;
+  const auto apart_ns = [](const RecordedFrame& f) { return std::abs(f.depth_stamp_ns - f.stamp_ns); };
+  const auto worst = std::max_element(
+      frames.begin(), frames.end(), [&](const auto& a, const auto& b) { return apart_ns(a) < apart_ns(b); });
+  probed.first_pair = text_of(frames.front());
+  if (sequence.stamps_measured && apart_ns(*worst) > 0)
+    probed.worst_pair = fmt::format("{}, {:+.1f} ms", text_of(*worst),
+                                    1e-6 * static_cast<double>(worst->depth_stamp_ns - worst->stamp_ns));
+}
 
 void take_frames(FrameSource& source, Probed& probed) {
   while (probed.frames.size() < kLookedAt) {
@@ -73,6 +95,7 @@ Probed probe_layout(const SourceRequest& request) {
   probed.stamps_measured = sequence.stamps_measured;
   probed.metric_depth = is_metric(sequence.depth_encoding);
   probed.truth = sequence.ground_truth.size();
+  note_pairs(sequence, probed);
   for (const RecordedFrame& frame : sequence.frames) {
     probed.stamps_ns.push_back(frame.stamp_ns);
     probed.depth_minus_color_s.push_back(1e-9 * static_cast<double>(frame.depth_stamp_ns - frame.stamp_ns));
@@ -118,9 +141,23 @@ std::string sensor_text(const DepthSensor& sensor) {
                      1e3 * sensor.noise.sigma_m(3), origin());
 }
 
+void print_pairs(const Probed& probed) {
+  const Pairing& pairing = probed.pairing;
+  if (!probed.first_pair.empty()) {
+    const std::string rule = pairing.rule.empty() ? "as the files say" : pairing.rule;
+    print_text(fmt::format("pairs      {}{}{}\n", rule, pairing.times.empty() ? "" : "; ", pairing.times));
+    print_text(fmt::format("           the first: {}\n", probed.first_pair));
+    if (!probed.worst_pair.empty())
+      print_text(fmt::format("           farthest apart: {}\n", probed.worst_pair));
+  }
+  const std::string unpaired = unpaired_text(pairing);
+  if (!unpaired.empty()) print_text(fmt::format("unpaired   {}\n", unpaired));
+  if (pairing.by_order) tell_pairing(probed.name, pairing);
+}
+
 void print_times(const Probed& probed) {
   if (!probed.stamps_measured)
-    return fmt::print("rate       none recorded, {} Hz assumed\n", probed.camera.fps);
+    return fmt::print("rate       none recorded, {:.6g} Hz assumed\n", probed.camera.fps);
   const auto rate = rate_statistics(probed.stamps_ns);
   if (!rate) return fmt::print("rate       too few frames\n");
   fmt::print("rate       {:.2f} Hz (median), jitter {:.1f} ms (95 %), {:.1f} s, {} gaps",
@@ -198,6 +235,7 @@ void print_probed(const Probed& probed) {
                1e3 * camera.T_color_depth.translation.norm());
   }
   fmt::print("sensor     {}\n", sensor_text(camera.sensor));
+  print_pairs(probed);
   print_times(probed);
   print_depth(probed);
   fmt::print("truth      {} poses\n", probed.truth);

@@ -2,6 +2,7 @@
 
 #include "drivers/datasets/camera_files/fit_to_images.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "drivers/datasets/truth/truth.hpp"
@@ -32,6 +33,7 @@ std::unique_ptr<FrameSource> open_sequence(const std::string& path,
                                            const std::optional<CameraArgument>& camera_argument,
                                            std::optional<double> depth_scale) {
   OpenedSequence opened = read_sequence(path, camera_argument, depth_scale);
+  tell_pairing(path, opened.sequence.pairing);
   return std::make_unique<RecordedSource>(path, std::move(opened.sequence), opened.camera);
 }
 

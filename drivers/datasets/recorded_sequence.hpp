@@ -40,6 +40,21 @@ enum class DepthEncoding {
   kFloatImage,  ///< a file of floats in metres: .npy, EXR and others
 };
 
+/// Images without a partner.
+struct UnpairedImages {
+  size_t count = 0;
+  size_t of = 0;                ///< all images of this kind
+  std::filesystem::path first;  ///< empty if there is none
+};
+
+/// How colour and depth images were paired.
+struct Pairing {
+  std::string rule;   ///< for users: "of equal names"; empty: the files say which belong together
+  std::string times;  ///< for users: "names are times in nanoseconds"; empty: nothing to say
+  UnpairedImages color, depth;
+  bool by_order = false;  ///< nothing tells that the images of a pair belong together
+};
+
 struct RecordedSequence {
   std::string layout;                      ///< for users: "7-Scenes"
   std::optional<RgbdCamera> camera;        ///< nullopt if the files do not tell
@@ -50,8 +65,10 @@ struct RecordedSequence {
   bool stamps_measured = true;        ///< false: made from the frame rate
   std::vector<RecordedFrame> frames;  ///< in order of time
   SkippedFrames skipped;              ///< listed, but not usable
-  Trajectory ground_truth;            ///< of the colour camera; empty if there is none
-  bool truth_in_metres = true;        ///< false: in an arbitrary unit, as COLMAP has
+  Pairing pairing;
+  Trajectory ground_truth;       ///< of the colour camera; empty if there is none
+  bool truth_in_metres = true;   ///< false: in an arbitrary unit, as COLMAP has
+  std::string depth_unit_guess;  ///< for users: nobody states the unit of depth; empty: it is stated
 };
 
 /// Returns whether depth is in metres, whatever the camera's depth_scale.

@@ -53,8 +53,8 @@ void make_broken_sequences(const TempFolder& folder) {
   folder.write("apart/rgb.txt", replaced(rgb, "\n1", "\n91"));
   write_depth(copy_of_sequence(folder, "depth8"), cv::Mat(120, 160, CV_8UC1, cv::Scalar(100)));
   write_depth(copy_of_sequence(folder, "depth_size"), cv::Mat(50, 80, CV_16UC1, cv::Scalar(5000)));
-  copy_of_sequence(folder, "nan_truth");
-  folder.write("nan_truth/groundtruth.txt", "1.0 0 nan 0 0 0 0 1\n");
+  copy_of_sequence(folder, "bad_truth");
+  folder.write("bad_truth/groundtruth.txt", "1.0 0 wide 0 0 0 0 1\n");
 }
 
 /// Folders in the layouts of other datasets; only names matter.

@@ -106,7 +106,7 @@ std::vector<MisuseCase> sequence_mistakes() {
       {"run apart", kBadInput, {"within 0.02 s", "same clock", "associations.txt"}},
       {"run depth8", kBadInput, {"depth8/depth/", "not a 16-bit grey PNG", "export depth as 16-bit PNG"}},
       {"run depth_size", kBadInput, {"80 x 50 pixels", "160 x 120", "depth must have the size of colour"}},
-      {"run nan_truth", kBadInput, {"nan_truth/groundtruth.txt:1", "'nan'", "correct or delete the line"}},
+      {"run bad_truth", kBadInput, {"bad_truth/groundtruth.txt:1", "'wide'", "correct or delete the line"}},
       {"run nowhere.bag", kBadInput, {"nowhere.bag: no such file", "check the path"}},
   };
 }

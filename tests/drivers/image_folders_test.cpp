@@ -87,6 +87,59 @@ TEST(FoldersWithoutLists, WarnIfColourInSixteenBitsHasOnlyTenOrTwelve) {
   EXPECT_THAT(said_of_deep_color(257), AllOf(HasSubstr("is reduced to 8"), Not(HasSubstr("nearly black"))));
 }
 
+/// What a 16-bit image has as plain numbers.
+std::string raw(const cv::Mat& depth) {
+  return {reinterpret_cast<const char*>(depth.data), depth.total() * depth.elemSize()};
+}
+
+TEST(FoldersWithoutLists, RawDepthHasTheSizeOfTheCamera) {
+  const TempFolder folder;
+  for (int i = 0; i < 3; ++i) {
+    folder.write(fmt::format("rgb/{:04}_Color.png", i), test::encoded(test::make_color(i), ".png"));
+    folder.write(fmt::format("depth/{:04}_Depth.raw", i),
+                 raw(test::make_depth(static_cast<uint16_t>(1500 + i))));
+    folder.write(fmt::format("depth/{:04}_Depth.png", i), test::encoded(test::make_color(i), ".png"));
+  }
+  folder.write("camera.yaml", test::kSmallCamera);
+  const auto source = open_sequence(folder.path().string());
+  for (int i = 0; i < 3; ++i) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_FLOAT_EQ(frame->depth_m.at<float>(5, 7), 1.5F + 0.001F * static_cast<float>(i));
+  }
+  for (int i = 0; i < 3; ++i) folder.write(fmt::format("depth/{:04}_Depth.raw", i), "short");
+  const auto damaged = open_sequence(folder.path().string());
+  EXPECT_THAT(test::input_error([&] { damaged->next(); }),
+              HasSubstr("5 bytes where the camera's size needs 1536"));
+}
+
+TEST(FoldersWithoutLists, OtherFormatsOfColourAreRead) {
+  for (const char* ending : {".ppm", ".bmp", ".tiff"}) {
+    SCOPED_TRACE(ending);
+    const TempFolder folder;
+    for (int i = 0; i < 2; ++i) {
+      folder.write(fmt::format("rgb/{}{}", i, ending), test::encoded(test::make_color(i), ending));
+      folder.write(fmt::format("depth/{}.pgm", i), test::encoded(test::make_depth(1500), ".pgm"));
+    }
+    folder.write("camera.yaml", test::kSmallCamera);
+    const auto source = open_sequence(folder.path().string());
+    const auto frame = source->next();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(cv::norm(frame->color.bgr(), test::make_color(0), cv::NORM_INF), 0);
+    EXPECT_FLOAT_EQ(frame->depth_m.at<float>(5, 7), 1.5F);
+  }
+}
+
+TEST(FoldersWithoutLists, FormatsThatAreNotReadAreNamed) {
+  const TempFolder folder;
+  folder.write("rgb/1.heic", "x");
+  folder.write("depth/1.png", test::encoded(test::make_depth(1500), ".png"));
+  folder.write("camera.yaml", test::kSmallCamera);
+  EXPECT_THAT(
+      test::input_error([&] { read_sequence(folder.path()); }),
+      AllOf(HasSubstr("rgb/ without images that kinloop can read, only .heic"), HasSubstr("convert")));
+}
+
 TEST(FolderNames, ArraysOfDepthCountNotThePicturesBesideThem) {
   EXPECT_EQ(
       pairs_of({"images/0.png", "images/1.png", "depth/0.png", "depth/0.npy", "depth/1.png", "depth/1.npy"}),

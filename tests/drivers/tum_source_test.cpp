@@ -61,7 +61,7 @@ TEST(TumSource, SaysWhatIsWrongWithAnImage) {
   const SequenceFolder sequence(1);
   sequence.folder.write(SequenceFolder::color_name(0), std::string("II*\0 a TIFF", 11));
   TumSource tiff(sequence.path());
-  EXPECT_THAT(input_error([&] { tiff.next(); }), HasSubstr("a TIFF image; convert it to PNG"));
+  EXPECT_THAT(input_error([&] { tiff.next(); }), HasSubstr("rgb/0.png: the file is damaged"));
 }
 
 TEST(TumSource, AnImageThatViewersTurnIsRefused) {
@@ -147,10 +147,25 @@ TEST(TumSource, GroundTruthWithoutAPoseIsWarnedOf) {
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("groundtruth.txt: contains no pose"));
 }
 
-TEST(TumSource, NanInTheGroundTruthIsAnError) {
+TEST(TumSource, RowsOfTheGroundTruthWithoutAPoseAreNoTruth) {
   const SequenceFolder sequence(2);
-  sequence.folder.write("groundtruth.txt", "# t x y z q\n100.0 1 nan 3 0 0 0 1\n");
-  EXPECT_THAT(open_error(sequence.path()), AllOf(HasSubstr("groundtruth.txt:2:"), HasSubstr("'nan'")));
+  sequence.folder.write(
+      "groundtruth.txt",
+      "# t x y z q\n100.0 1 2 3 0 0 0 1\n100.1 nan NaN -nan nan nan nan nan\n100.2 1 2 3 0 0 0 0\n"
+      "100.3 inf 2 3 0 0 0 1\n100.4 2 2 3 0 0 0 1\n");
+  testing::internal::CaptureStdout();
+  const TumSource source(sequence.path());
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("3 of 5 lines have no pose"));
+  EXPECT_THAT(source.info().ground_truth, SizeIs(2));
+  sequence.folder.write("groundtruth.txt", "100.0 1 x 3 0 0 0 1\n");
+  EXPECT_THAT(open_error(sequence.path()), AllOf(HasSubstr("groundtruth.txt:1:"), HasSubstr("'x'")));
+}
+
+TEST(TumSource, StampsOfTheGroundTruthMayBeNanoseconds) {
+  const SequenceFolder sequence(2);
+  sequence.folder.write("groundtruth.txt",
+                        "1700000000000000000 1 2 3 0 0 0 1\n1700000000066667000 2 2 3 0 0 0 1\n");
+  EXPECT_EQ(TumSource(sequence.path()).info().ground_truth[1].stamp_ns, 1'700'000'000'066'667'000);
 }
 
 /// A sequence of three frames with the middle one damaged.

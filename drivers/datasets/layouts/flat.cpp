@@ -8,6 +8,8 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/lists/frame_masks.hpp"
 #include "drivers/datasets/reading/lists/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
+#include "kinloop/core/text/lower_case.hpp"
 
 namespace kinloop {
 namespace {
@@ -19,7 +21,7 @@ struct FlatNames {
   bool at_the_end;
 
   [[nodiscard]] bool is(const std::filesystem::path& image, const char* word) const {
-    const std::string stem = image.stem().string();
+    const std::string stem = lower_case(image.stem().string());
     if (stem.find_first_of("0123456789") == std::string::npos) return false;  // one picture, not a sequence
     return at_the_end ? stem.ends_with(word) : stem.starts_with(word);
   }

@@ -15,6 +15,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/geometry/ground_truth.hpp"
 
 namespace kinloop {
 namespace {
@@ -94,7 +95,7 @@ std::optional<SE3> read_base_to_color(const fs::path& file) {
 Trajectory read_loris_truth(const fs::path& folder) {
   std::error_code absent;
   if (!fs::exists(folder / "groundtruth.txt", absent)) return {};
-  Trajectory truth = read_tum_trajectory(folder / "groundtruth.txt");
+  Trajectory truth = read_ground_truth(folder / "groundtruth.txt");
   const fs::path file = folder / "trans_matrix.yaml";
   const auto T_base_color = fs::exists(file, absent) ? read_base_to_color(file) : std::nullopt;
   if (!T_base_color) {
@@ -112,6 +113,7 @@ RecordedSequence read_open_loris(const fs::path& folder) {
   TumListing listing = associate_lists(folder, "color.txt", "aligned_depth.txt");
   sequence.frames = std::move(listing.frames);
   sequence.skipped = std::move(listing.skipped);
+  sequence.pairing = std::move(listing.pairing);
   sequence.camera_remedy = "no sensors.yaml; copy it from the dataset";
   std::error_code absent;
   if (fs::exists(folder / "sensors.yaml", absent)) {

@@ -6,7 +6,7 @@
 #include "drivers/datasets/camera_files/camera_formats.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/reading/lists/frame_masks.hpp"
-#include "drivers/datasets/reading/lists/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
 
 namespace kinloop {
 namespace {

@@ -10,6 +10,7 @@
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/lists/frame_masks.hpp"
 #include "drivers/datasets/reading/lists/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 

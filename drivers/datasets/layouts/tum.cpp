@@ -8,6 +8,7 @@
 #include "drivers/datasets/reading/lists/tum_listing.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/geometry/ground_truth.hpp"
 
 namespace kinloop {
 namespace {
@@ -30,10 +31,11 @@ RecordedSequence read_tum(const std::filesystem::path& folder) {
   TumListing listing = read_tum_listing(folder);
   sequence.frames = std::move(listing.frames);
   sequence.skipped = std::move(listing.skipped);
+  sequence.pairing = std::move(listing.pairing);
   find_masks(folder, sequence);
   const auto ground_truth = folder / "groundtruth.txt";
   if (std::filesystem::exists(ground_truth)) {
-    sequence.ground_truth = read_tum_trajectory(ground_truth);
+    sequence.ground_truth = read_ground_truth(ground_truth);
     if (sequence.ground_truth.empty())
       log::warn("{}: contains no pose: the trajectory error will not be computed", ground_truth.string());
   }

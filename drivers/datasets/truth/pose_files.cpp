@@ -11,6 +11,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/log.hpp"
+#include "kinloop/geometry/ground_truth.hpp"
 
 namespace kinloop {
 namespace {
@@ -68,7 +69,7 @@ PoseList poses_in(const NumberRows& rows, const fs::path& file) {
 
 /// The pose nearest in time to each frame.
 PoseList poses_by_time(const fs::path& file, const RecordedSequence& sequence) {
-  const Trajectory trajectory = sorted_by_time(read_tum_trajectory(file));
+  const Trajectory trajectory = sorted_by_time(read_ground_truth(file));
   std::vector<int64_t> frames_ns, poses_ns;
   for (const RecordedFrame& frame : sequence.frames) frames_ns.push_back(frame.stamp_ns);
   for (const StampedPose& pose : trajectory) poses_ns.push_back(pose.stamp_ns);

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
-#include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -39,84 +38,6 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   }
   if (error) throw InputError(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
   return files;
-}
-
-/// The time in a name: "1305031452.791720" in seconds, "0000012-000000366736" in microseconds.
-std::optional<int64_t> stamp_in_name(const fs::path& file) {
-  constexpr size_t kRedwoodDigits = 12;
-  constexpr int64_t kNsPerMicrosecond = 1000;
-  const std::string stem = file.stem().string();
-  const size_t dash = stem.find('-');
-  if (dash != std::string::npos && stem.size() - dash - 1 == kRedwoodDigits) {
-    const auto microseconds = parse_number(std::string_view(stem).substr(dash + 1));
-    if (microseconds) return static_cast<int64_t>(*microseconds) * kNsPerMicrosecond;
-  }
-  const bool decimal =
-      stem.find('.') != std::string::npos && stem.find_first_not_of("0123456789.") == std::string::npos;
-  return decimal ? parse_stamp_ns(stem) : std::nullopt;
-}
-
-/// Nothing unless all names have increasing times.
-std::optional<std::vector<int64_t>> stamps_in_names(const std::vector<fs::path>& files) {
-  std::vector<int64_t> stamps_ns;
-  for (const fs::path& file : files) {
-    const auto stamp_ns = stamp_in_name(file);
-    if (!stamp_ns || (!stamps_ns.empty() && *stamp_ns <= stamps_ns.back())) return std::nullopt;
-    stamps_ns.push_back(*stamp_ns);
-  }
-  return stamps_ns;
-}
-
-/// The last digits of a name, by which "color_0012" and "12_depth" belong together.
-std::string last_number(const fs::path& file) {
-  constexpr const char* kDigits = "0123456789";
-  const std::string stem = file.stem().string();
-  const size_t last = stem.find_last_of(kDigits);
-  if (last == std::string::npos) return "0";
-  const size_t before = stem.find_last_not_of(kDigits, last);
-  std::string digits = stem.substr(before == std::string::npos ? 0 : before + 1);
-  digits.resize(std::min(digits.find_first_not_of(kDigits), digits.size()));
-  digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size()));
-  return digits.empty() ? "0" : digits;
-}
-
-void skip_image(const fs::path& image, const char* other, SkippedFrames& skipped) {
-  skipped.add(
-      {image.filename().string(), fmt::format("{}: no {} image of this number", image.string(), other)});
-}
-
-/// Leaves `sequence` as it is if depth images have no different numbers.
-void pair_by_name(const std::vector<fs::path>& color, const std::vector<fs::path>& depth,
-                  RecordedSequence& sequence) {
-  std::map<std::string, fs::path> depth_of;
-  for (const fs::path& file : depth) depth_of.emplace(last_number(file), file);
-  if (depth_of.size() != depth.size()) return;
-  std::vector<fs::path> alone;
-  for (const fs::path& file : color) {
-    const auto found = depth_of.find(last_number(file));
-    if (found == depth_of.end()) {
-      alone.push_back(file);
-      continue;
-    }
-    sequence.frames.push_back({0, 0, {file}, {found->second}, {}, 0});
-    depth_of.erase(found);
-  }
-  for (const fs::path& file : alone) skip_image(file, "depth", sequence.skipped);
-  for (const fs::path& file : depth) {
-    if (depth_of.contains(last_number(file))) skip_image(file, "colour", sequence.skipped);
-  }
-}
-
-/// Some folders have a picture of depth beside each array: "0.png" and "0.npy". The arrays are kept.
-std::vector<fs::path> without_pictures_of_arrays(std::vector<fs::path> depth) {
-  std::set<fs::path> arrays;
-  for (const fs::path& file : depth) {
-    if (file.extension() == ".npy" || file.extension() == ".npz") arrays.insert(file.stem());
-  }
-  std::erase_if(depth, [&](const fs::path& file) {
-    return file.extension() == ".png" && arrays.contains(file.stem());
-  });
-  return depth;
 }
 
 }  // namespace
@@ -207,39 +128,6 @@ std::vector<RecordedFrame> pair_by_time(const std::vector<int64_t>& color_ns,
   for (const auto& [c, d] : associate_stamps(color_ns, depth_ns))
     frames.push_back({color_ns[c], depth_ns[d], {color[c]}, {depth[d]}, {}, 0});
   return frames;
-}
-
-void pair_folders(const fs::path& color_folder, const fs::path& depth_folder, double fps,
-                  RecordedSequence& sequence) {
-  const auto depth = without_pictures_of_arrays(images_in(depth_folder, is_depth_name));
-  pair_images(images_in(color_folder, is_color_name), depth, fps, sequence);
-}
-
-void pair_images(const std::vector<fs::path>& color, const std::vector<fs::path>& depth, double fps,
-                 RecordedSequence& sequence) {
-  const auto color_ns = stamps_in_names(color), depth_ns = stamps_in_names(depth);
-  if (color_ns && depth_ns) sequence.frames = pair_by_time(*color_ns, color, *depth_ns, depth);
-  sequence.stamps_measured = !sequence.frames.empty();
-  if (sequence.stamps_measured) return;
-  pair_by_name(color, depth, sequence);
-  const bool nearly_none = sequence.frames.size() * 2 < std::min(color.size(), depth.size());
-  if (nearly_none && color.size() == depth.size()) {
-    sequence.frames.clear();
-    sequence.skipped = {};
-    for (size_t i = 0; i < color.size(); ++i)
-      sequence.frames.push_back({0, 0, {color[i]}, {depth[i]}, {}, 0});
-  }
-  if (sequence.frames.empty()) {
-    const auto& some = color.empty() ? depth : color;
-    throw InputError(fmt::format(
-        "{}: {} colour images and {} depth images{}, but neither their names nor their number tell which "
-        "belong together; write associations.txt",
-        some.empty() ? "images" : some.front().parent_path().string(), color.size(), depth.size(),
-        color.empty() || depth.empty() || color.front().parent_path() == depth.front().parent_path()
-            ? ""
-            : " in " + depth.front().parent_path().string()));
-  }
-  stamp_by_rate(sequence.frames, fps);
 }
 
 void stamp_by_rate(std::vector<RecordedFrame>& frames, double fps) {

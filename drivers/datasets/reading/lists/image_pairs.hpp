@@ -38,17 +38,6 @@ std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder
 std::vector<RecordedFrame> pair_by_number(const std::vector<NumberedFile>& color,
                                           const std::vector<NumberedFile>& depth, double fps);
 
-/// Pairs the images of two folders without any list: by time if their names are times in seconds (TUM) or
-/// have microseconds after a dash (Redwood), else by equal numbers, else by their order if there are as many.
-/// Images whose number the other folder does not have are skipped and counted. Throws InputError naming the
-/// folders if none of these holds. Sets `frames`, `skipped` and `stamps_measured`.
-void pair_folders(const std::filesystem::path& color, const std::filesystem::path& depth, double fps,
-                  RecordedSequence& sequence);
-
-/// Same for two lists in natural order.
-void pair_images(const std::vector<std::filesystem::path>& color,
-                 const std::vector<std::filesystem::path>& depth, double fps, RecordedSequence& sequence);
-
 /// Pairs two lists of stamped images by time: colour takes the nearest depth within the tolerance.
 std::vector<RecordedFrame> pair_by_time(const std::vector<int64_t>& color_ns,
                                         const std::vector<std::filesystem::path>& color,

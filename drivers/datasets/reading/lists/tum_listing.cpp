@@ -1,17 +1,19 @@
 #include "drivers/datasets/reading/lists/tum_listing.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "drivers/datasets/reading/lists/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/association.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "kinloop/core/log.hpp"
-#include "kinloop/core/time.hpp"
+#include "kinloop/core/time_unit.hpp"
 
 namespace kinloop {
 namespace {
@@ -20,28 +22,37 @@ namespace {
 struct StampedRows {
   std::vector<int64_t> stamps_ns;
   std::vector<TextLine> lines;
+  std::vector<int64_t> second_stamps_ns;  ///< of the third column, if there is one
   SkippedFrames skipped;
+  const char* unit = kSecondsUnit.name;
 };
 
-int64_t stamp_of(const std::filesystem::path& file, const TextLine& line, size_t column) {
-  const auto stamp_ns = parse_stamp_ns(line.fields[column]);
-  if (!stamp_ns) {
-    throw_parse_error(
-        file, line.number,
-        fmt::format("'{}' is not a timestamp in seconds; correct or delete the line", line.fields[column]));
+/// The times of a column, in seconds or another unit that all its numbers tell.
+FoundTimes times_of_column(const std::filesystem::path& file, const std::vector<TextLine>& lines,
+                           size_t column) {
+  std::vector<std::string> texts;
+  for (const TextLine& line : lines) texts.push_back(line.fields[column]);
+  if (auto times = times_not_in_seconds(texts)) return *times;
+  FoundTimes times{{}, kSecondsUnit};
+  for (const TextLine& line : lines) {
+    const auto stamp_ns = parse_stamp_ns(line.fields[column]);
+    if (!stamp_ns) {
+      throw_parse_error(
+          file, line.number,
+          fmt::format("'{}' is not a timestamp in seconds; correct or delete the line", line.fields[column]));
+    }
+    times.stamps_ns.push_back(*stamp_ns);
   }
-  return *stamp_ns;
+  return times;
 }
 
-int64_t row_stamp(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
+void require_columns(const std::filesystem::path& file, const TextLine& line, const std::string& columns) {
   const size_t expected = static_cast<size_t>(std::count(columns.begin(), columns.end(), ' ')) + 1;
-  if (line.fields.size() != expected) {
-    const char* blanks = line.fields.size() > expected ? "; names of files must not have blanks" : "";
-    throw_parse_error(file, line.number,
-                      fmt::format("expected '{}' separated by blanks, found {} fields{}", columns,
-                                  line.fields.size(), blanks));
-  }
-  return stamp_of(file, line, 0);
+  if (line.fields.size() == expected) return;
+  const char* blanks = line.fields.size() > expected ? "; names of files must not have blanks" : "";
+  throw_parse_error(file, line.number,
+                    fmt::format("expected '{}' separated by blanks, found {} fields{}", columns,
+                                line.fields.size(), blanks));
 }
 
 /// The file of a row. Lists that were written on Windows may have backslashes.
@@ -52,15 +63,39 @@ std::filesystem::path file_of_row(const std::filesystem::path& folder, std::stri
   return folder / name;
 }
 
+/// Without rows that are the same as an earlier one: a driver that publishes each image twice loses none.
+std::vector<TextLine> without_repeated_lines(const std::filesystem::path& file, std::vector<TextLine> lines) {
+  std::set<std::vector<std::string>> seen;
+  std::vector<TextLine> kept;
+  for (TextLine& line : lines) {
+    if (seen.insert(line.fields).second) kept.push_back(std::move(line));
+  }
+  if (kept.size() < lines.size())
+    log::info("{}: {} of {} lines repeat an earlier one and are not used", file.string(),
+              lines.size() - kept.size(), lines.size());
+  return kept;
+}
+
 /// Reads rows with increasing time stamps. `columns` names the columns, separated by blanks.
 StampedRows read_stamped_rows(const std::filesystem::path& file, const std::string& columns) {
   constexpr size_t kMaxDisorder = 2;  // tolerates one row out of order in this many
+  constexpr size_t kSecondStamp = 2;
+  auto lines = without_repeated_lines(file, read_table(file));
+  const size_t count = lines.size();
+  if (count == 0) throw InputError(fmt::format("{}: empty; expected lines '{}'", file.string(), columns));
+  for (const TextLine& line : lines) require_columns(file, line, columns);
+  const FoundTimes times = times_of_column(file, lines, 0);
+  FoundTimes second;
+  if (lines.front().fields.size() > kSecondStamp) second = times_of_column(file, lines, kSecondStamp);
   StampedRows rows;
+  rows.unit = times.unit.name;
   size_t first_skipped_line = 0;
-  for (TextLine& line : read_table(file)) {
-    const int64_t stamp_ns = row_stamp(file, line, columns);
+  for (size_t i = 0; i < count; ++i) {
+    TextLine& line = lines[i];
+    const int64_t stamp_ns = times.stamps_ns[i];
     if (rows.stamps_ns.empty() || stamp_ns > rows.stamps_ns.back()) {
       rows.stamps_ns.push_back(stamp_ns);
+      if (!second.stamps_ns.empty()) rows.second_stamps_ns.push_back(second.stamps_ns[i]);
       rows.lines.push_back(std::move(line));
       continue;
     }
@@ -69,10 +104,6 @@ StampedRows read_stamped_rows(const std::filesystem::path& file, const std::stri
     rows.skipped.add(
         {line.fields[1], fmt::format("{}:{}: timestamp {} {} that of line {}", file.string(), line.number,
                                      line.fields[0], what, rows.lines.back().number)});
-  }
-  const size_t count = rows.lines.size() + rows.skipped.size();
-  if (count == 0) {
-    throw InputError(fmt::format("{}: empty; expected lines '{}'", file.string(), columns));
   }
   if (rows.skipped.size() * kMaxDisorder > count) {
     throw_parse_error(file, first_skipped_line,
@@ -87,7 +118,7 @@ StampedRows read_stamped_rows(const std::filesystem::path& file, const std::stri
 void warn_of_pairs_apart(const std::filesystem::path& file, const StampedRows& rows) {
   size_t apart = 0, first_line = 0;
   for (size_t i = 0; i < rows.lines.size(); ++i) {
-    const int64_t color_ns = rows.stamps_ns[i], depth_ns = stamp_of(file, rows.lines[i], 2);
+    const int64_t color_ns = rows.stamps_ns[i], depth_ns = rows.second_stamps_ns[i];
     if (depth_ns >= color_ns - kMaxAssociationNs && depth_ns <= color_ns + kMaxAssociationNs) continue;
     if (apart++ == 0) first_line = rows.lines[i].number;
   }
@@ -102,11 +133,11 @@ TumListing read_associated(const std::filesystem::path& folder) {
   warn_of_pairs_apart(file, rows);
   TumListing listing;
   listing.skipped = std::move(rows.skipped);
+  if (rows.unit != kSecondsUnit.name) listing.pairing.times = fmt::format("times are in {}", rows.unit);
   for (size_t i = 0; i < rows.lines.size(); ++i) {
     const auto& fields = rows.lines[i].fields;
-    const int64_t depth_ns = stamp_of(file, rows.lines[i], 2);
     listing.frames.push_back({rows.stamps_ns[i],
-                              depth_ns,
+                              rows.second_stamps_ns[i],
                               {file_of_row(folder, fields[1])},
                               {file_of_row(folder, fields[3])},
                               {},
@@ -129,13 +160,19 @@ TumListing associate_lists(const std::filesystem::path& folder, const std::strin
     for (const TextLine& line : rows.lines) paths.push_back(file_of_row(folder, line.fields[1]));
     return paths;
   };
-  listing.frames = pair_by_time(color.stamps_ns, files(color), depth.stamps_ns, files(depth));
+  const auto color_files = files(color), depth_files = files(depth);
+  listing.frames = pair_by_time(color.stamps_ns, color_files, depth.stamps_ns, depth_files);
   if (listing.frames.empty()) {
     throw InputError(
         fmt::format("{}: no colour image of {} has a depth image in {} within {} s; check that "
                     "both use the same clock, or write associations.txt",
                     folder.string(), color_list, depth_list, to_seconds(kMaxAssociationNs)));
   }
+  listing.pairing = pairing_of(listing.frames, color_files, depth_files);
+  listing.pairing.rule = nearest_time_rule();
+  if (color.unit != kSecondsUnit.name || depth.unit != kSecondsUnit.name)
+    listing.pairing.times =
+        fmt::format("times are in {} ({}) and {} ({})", color.unit, color_list, depth.unit, depth_list);
   return listing;
 }
 

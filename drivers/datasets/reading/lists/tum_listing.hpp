@@ -12,6 +12,7 @@ namespace kinloop {
 struct TumListing {
   std::vector<RecordedFrame> frames;  ///< in order of time
   SkippedFrames skipped;              ///< rows whose time stamp repeats or precedes an earlier one
+  Pairing pairing;
 };
 
 /// Reads associations.txt ("stamp colour stamp depth" per line), or rgb.txt and depth.txt ("stamp file" per
