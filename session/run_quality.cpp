@@ -144,6 +144,13 @@ RunQuality judge(std::span<const JudgedFrame> frames) {
   return quality;
 }
 
+RunQuality with_guessed_unit(RunQuality quality, const std::string& guess) {
+  if (guess.empty()) return quality;
+  if (quality.verdict == Verdict::kGood) quality.verdict = Verdict::kDoubtful;
+  quality.reasons.push_back(guess);
+  return quality;
+}
+
 const char* name_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::kGood:

@@ -46,6 +46,10 @@ std::vector<JudgedFrame> judged_frames(std::span<const LoggedFrame> log, const M
 /// there are no frames; else doubtful. The frames must be in order of time.
 RunQuality judge(std::span<const JudgedFrame> frames);
 
+/// Returns the verdict if the unit of depth is guessed, as `guess` says: all lengths depend on it, so that it
+/// is not good. The same if `guess` is empty.
+RunQuality with_guessed_unit(RunQuality quality, const std::string& guess);
+
 /// Returns "good", "doubtful" or "bad".
 const char* name_of(Verdict verdict);
 

@@ -132,7 +132,7 @@ CameraDescription parse_intrinsics(const std::string& text) {
   return description;
 }
 
-RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedSequence& sequence,
+RgbdCamera camera_of_sequence(const std::filesystem::path& path, RecordedSequence& sequence,
                               const std::optional<CameraArgument>& camera_argument,
                               std::optional<double> depth_scale, const std::filesystem::path& given_path) {
   const GivenCamera given =

@@ -22,9 +22,9 @@ CameraDescription parse_intrinsics(const std::string& text);
 /// Returns the camera of a sequence: `camera_argument` if given, else camera.yaml in the folder, else that of
 /// the layout, else that of a camera file in the folder or above it, up to `given_path`, the folder in which
 /// the user asked for a sequence (empty: the same one). What a file does not state is taken from the images,
-/// see fit_to_images. `depth_scale` replaces the unit of depth. Throws InputError with the remedy if there is
-/// no camera, or it cannot be that of the images.
-RgbdCamera camera_of_sequence(const std::filesystem::path& path, const RecordedSequence& sequence,
+/// see fit_to_images, which notes a guessed unit in `sequence`. `depth_scale` replaces the unit of depth.
+/// Throws InputError with the remedy if there is no camera, or it cannot be that of the images.
+RgbdCamera camera_of_sequence(const std::filesystem::path& path, RecordedSequence& sequence,
                               const std::optional<CameraArgument>& camera_argument,
                               std::optional<double> depth_scale = {},
                               const std::filesystem::path& given_path = {});

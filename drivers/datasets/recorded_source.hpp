@@ -3,12 +3,14 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "drivers/datasets/reading/images/video_reader.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
 #include "kinloop/sensor/camera/registration.hpp"
 #include "kinloop/sensor/source/frame_source.hpp"
+#include "kinloop/sensor/source/guessed_unit.hpp"
 #include "kinloop/sensor/source/passable_source.hpp"
 
 namespace kinloop {
@@ -17,7 +19,7 @@ namespace kinloop {
 /// does not increase are skipped and counted. Unregistered depth (a depth camera of its own) is registered to
 /// colour; depth of the lowest confidence is unknown. A mask of another size or kind is an error, which
 /// `next` throws.
-class RecordedSource : public FrameSource, public PassableSource {
+class RecordedSource : public FrameSource, public PassableSource, public GuessedUnit {
  public:
   /// `name` is the source as given by the user. Throws InputError naming file and remedy if the sequence is
   /// unusable: no image to read, or images of another size than the camera's.
@@ -26,6 +28,7 @@ class RecordedSource : public FrameSource, public PassableSource {
   /// Throws InputError at the end if not a single frame was intact.
   std::optional<Frame> next() override;
   bool pass_over() override;
+  [[nodiscard]] const std::string& depth_unit_guess() const override { return sequence_.depth_unit_guess; }
   [[nodiscard]] const RgbdCamera& camera() const override { return camera_; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] SkippedFrames skipped() const override { return sequence_.skipped; }

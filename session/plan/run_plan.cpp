@@ -7,6 +7,7 @@
 #include "kinloop/optimize/pose_graph/pose_graph.hpp"
 #include "kinloop/place/vocabulary/default_vocabulary.hpp"
 #include "kinloop/place/vocabulary/vocabulary_file.hpp"
+#include "kinloop/sensor/source/guessed_unit.hpp"
 #include "session/input/input_traits.hpp"
 #include "session/source/source_filters.hpp"
 
@@ -69,6 +70,15 @@ OpenedSource open_source(const SourceRequest& recording, double pace_hz) {
   return source;
 }
 
+/// What the source itself, behind all that was put around it, says of its unit.
+std::string depth_unit_guess_of(const FrameSource& outermost) {
+  const FrameSource* source = &outermost;
+  while (const auto* forwarding = dynamic_cast<const ForwardingSource*>(source))
+    source = &forwarding->inner();
+  const auto* guessed = dynamic_cast<const GuessedUnit*>(source);
+  return guessed == nullptr ? std::string() : guessed->depth_unit_guess();
+}
+
 }  // namespace
 
 RunSetup set_up_run(const RunSettings& settings) {
@@ -93,8 +103,9 @@ RunPlan plan_run(const RunRequest& request) {
   auto memory = request.remember ? sensor_memory_of(source.frames->info()) : std::nullopt;
   if (memory) camera = memory->recall(camera);
   Vocabulary vocabulary = open_vocabulary(settings.vocabulary, setup.options.slam.features);
-  return {std::move(setup),  std::move(source.frames), camera,
-          std::move(memory), std::move(vocabulary),    source.paced};
+  std::string guess = depth_unit_guess_of(*source.frames);
+  return {std::move(setup), std::move(source.frames), camera, std::move(memory), std::move(vocabulary),
+          source.paced,     std::move(guess)};
 }
 
 Vocabulary open_vocabulary(const std::string& file, const FeatureOptions& features) {

@@ -61,6 +61,7 @@ struct RunPlan : RunSetup {
   std::optional<SensorMemory> memory;  ///< of the camera of the source, if it is to be used
   Vocabulary vocabulary;
   const PacedSource* paced = nullptr;  ///< part of `source`, if it is paced
+  std::string depth_unit_guess = {};   ///< for users: that the unit of depth is guessed; empty: it is stated
 
   /// Returns how many frames came too fast.
   [[nodiscard]] size_t dropped() const { return paced != nullptr ? paced->dropped() : 0; }

@@ -204,6 +204,40 @@ TEST_F(FoundCamera, UnitOfDepthIsThatOfTheFileElseGuessedElseGiven) {
   EXPECT_THAT(error(), AllOf(HasSubstr("K.txt: states no unit of depth"), HasSubstr("--depth-scale")));
 }
 
+TEST_F(FoundCamera, TheCommonDivisorOfDepthTellsItsUnit) {
+  folder_.write("scene/K.txt", kMatrix);
+  for (const int divisor : {2, 4, 5, 8, 10}) {
+    SCOPED_TRACE(divisor);
+    write_images(slanted_depth(1500 * divisor, divisor));
+    EXPECT_EQ(camera().depth_scale, 1000 * divisor);
+  }
+  cv::Mat interpolated = slanted_depth(15000, 10);
+  for (int y = 0; y < interpolated.rows; y += 120) interpolated.row(y).setTo(cv::Scalar(15003));
+  write_images(interpolated);
+  EXPECT_EQ(camera().depth_scale, 10000);
+}
+
+TEST_F(FoundCamera, AGuessedUnitIsCalledAGuessWithTheAlternative) {
+  folder_.write("scene/K.txt", kMatrix);
+  const auto said = [&](const cv::Mat& depth) {
+    write_images(depth);
+    testing::internal::CaptureStdout();
+    static_cast<void>(camera());
+    return testing::internal::GetCapturedStdout();
+  };
+  EXPECT_THAT(said(slanted_depth(3001, 1)),
+              AllOf(HasSubstr("in mm, a guess: by the median of 3.1 m; in 1/5000 m it would be 0.6 m"),
+                    HasSubstr("--depth-scale")));
+  EXPECT_THAT(said(slanted_depth(15000, 10)), HasSubstr("all values are multiples of 10"));
+}
+
+TEST_F(FoundCamera, APartOfACameraFileThatIsNotUnderstoodIsAnError) {
+  folder_.write("scene/cam_left.json",
+                R"({"fx": 525, "fy": 525, "cx": 318, "cy": 240, "lens_distortion": [0.1, 0.2]})");
+  EXPECT_THAT(error(),
+              AllOf(HasSubstr("cam_left.json:1: key 'lens_distortion'"), HasSubstr("not understood")));
+}
+
 TEST_F(FoundCamera, SmallerDepthOfTheSameAspectHasTheSameView) {
   write_images(slanted_depth(1500, 1, {320, 240}));
   folder_.write("scene/K.txt", kMatrix);

@@ -127,5 +127,13 @@ TEST(RunQuality, AMomentIsNotWorthAReason) {
   EXPECT_THAT(judge(all).reasons, IsEmpty());
 }
 
+TEST(RunQuality, IsNotGoodIfTheUnitOfDepthIsGuessed) {
+  const RunQuality good = judge(frames(100));
+  EXPECT_EQ(with_guessed_unit(good, "").verdict, Verdict::kGood);
+  const RunQuality guessed = with_guessed_unit(good, "nobody states the unit");
+  EXPECT_EQ(guessed.verdict, Verdict::kDoubtful);
+  EXPECT_EQ(guessed.reasons.back(), "nobody states the unit");
+}
+
 }  // namespace
 }  // namespace kinloop

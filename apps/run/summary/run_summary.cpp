@@ -190,7 +190,8 @@ json run_summary(const RunOutcome& o) {
   summary["version"] = version_text();
   summary["input"] = lasting_input_name(source.info().name);
   summary["frames"] = log.size();
-  summary["quality"] = quality_json(judge(judged_frames(log, o.slam.map())));
+  summary["quality"] =
+      quality_json(with_guessed_unit(judge(judged_frames(log, o.slam.map())), o.plan.depth_unit_guess));
   summary["warnings"] = warnings_json(o.warnings);
   summary["advice"] = advice_json(o.advisor);
   summary["tracked"] = located - doubtful;

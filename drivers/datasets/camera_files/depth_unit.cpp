@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -13,6 +14,11 @@
 namespace kinloop {
 namespace {
 
+/// Positions at uneven distances: the values of a slope at even ones would have a divisor in common.
+int uneven(int i, int step) {
+  return i * step + i * i % step;
+}
+
 /// The values of a grid of pixels of some images, without those that mean unknown.
 std::vector<double> sampled_depth_units(const RecordedSequence& sequence) {
   constexpr size_t kImages = 5;
@@ -26,9 +32,10 @@ std::vector<double> sampled_depth_units(const RecordedSequence& sequence) {
       if (!size_in_header(bytes)) continue;
       const cv::Mat depth = decode_depth(bytes, location.file, DepthEncoding::kImage, {}, 1);
       const int step_y = std::max(1, depth.rows / kGrid), step_x = std::max(1, depth.cols / kGrid);
-      for (int y = 0; y < depth.rows; y += step_y) {
-        for (int x = 0; x < depth.cols; x += step_x) {
-          if (const float value = depth.at<float>(y, x); value > 0) units.push_back(value);
+      for (int row = 0; uneven(row, step_y) < depth.rows; ++row) {
+        for (int column = 0; uneven(column, step_x) < depth.cols; ++column) {
+          const float value = depth.at<float>(uneven(row, step_y), uneven(column, step_x));
+          if (value > 0) units.push_back(value);
         }
       }
     } catch (const ImageFormatError&) {
@@ -40,16 +47,23 @@ std::vector<double> sampled_depth_units(const RecordedSequence& sequence) {
   return units;
 }
 
-/// Millimetres times five. Few different values, such as those of a test image, tell nothing.
-bool are_multiples_of_five(const std::vector<double>& units) {
+/// The largest number up to 100 that divides nearly all values: some pixels may be interpolated. 1 if few
+/// values differ, such as those of a test image, which tell nothing.
+int common_divisor(const std::vector<double>& units) {
   constexpr size_t kLeastDifferent = 30;
-  constexpr int kFactor = 5;
+  constexpr double kShare = 0.95;
+  constexpr int kLargest = 100;
   std::set<int> different;
   for (const double value : units) {
-    if (std::fmod(value, kFactor) != 0) return false;
     if (different.size() < kLeastDifferent) different.insert(static_cast<int>(value));
   }
-  return different.size() >= kLeastDifferent;
+  if (different.size() < kLeastDifferent) return 1;
+  for (int divisor = kLargest; divisor > 1; --divisor) {
+    const auto divided = std::count_if(units.begin(), units.end(),
+                                       [&](double value) { return std::fmod(value, divisor) == 0; });
+    if (static_cast<double>(divided) >= kShare * static_cast<double>(units.size())) return divisor;
+  }
+  return 1;
 }
 
 }  // namespace
@@ -72,7 +86,8 @@ bool has_floats_in_metres(const RecordedSequence& sequence) {
 }
 
 std::optional<DepthUnit> guess_depth_unit(const RecordedSequence& sequence) {
-  constexpr double kMillimetres = 1000, kTumUnits = 5000, kNearest_m = 0.3, kFarthest_m = 5;
+  constexpr double kMillimetres = 1000, kNearest_m = 0.3, kFarthest_m = 5;
+  constexpr std::array kUsual = {kMillimetres, 5000.0, 10000.0, 4000.0};
   if (sequence.depth_encoding != DepthEncoding::kImage) return std::nullopt;
   const std::vector<double> units = sampled_depth_units(sequence);
   if (units.empty()) return std::nullopt;
@@ -80,10 +95,24 @@ std::optional<DepthUnit> guess_depth_unit(const RecordedSequence& sequence) {
   const auto plausible = [&](double scale) {
     return median >= kNearest_m * scale && median <= kFarthest_m * scale;
   };
-  if (are_multiples_of_five(units) && plausible(kTumUnits)) return DepthUnit{kTumUnits, median / kTumUnits};
-  if (plausible(kMillimetres)) return DepthUnit{kMillimetres, median / kMillimetres};
-  const auto scale = plausible_depth_scale(median, 1);
-  return scale ? std::optional(DepthUnit{*scale, median / *scale}) : std::nullopt;
+  DepthUnit unit;
+  const int divisor = common_divisor(units);
+  if (plausible(kMillimetres * divisor)) {
+    unit.divisor = divisor;
+    unit.depth_scale = kMillimetres * divisor;
+  } else if (plausible(kMillimetres)) {
+    unit.depth_scale = kMillimetres;
+  } else if (const auto scale = plausible_depth_scale(median, 1)) {
+    unit.depth_scale = *scale;
+  } else {
+    return std::nullopt;
+  }
+  unit.median_m = median / unit.depth_scale;
+  const auto* other = std::find_if(kUsual.begin(), kUsual.end(), [&](double scale) {
+    return scale != unit.depth_scale && plausible(scale);
+  });
+  if (other != kUsual.end()) unit.other_scale = *other, unit.other_median_m = median / *other;
+  return unit;
 }
 
 }  // namespace kinloop

@@ -80,8 +80,24 @@ std::string depth_unit_text(double depth_scale) {
   return depth_scale == kMillimetres ? "mm" : fmt::format("1/{} m", depth_scale);
 }
 
+/// Why a unit was taken, and what else it may be.
+std::string guess_text(const DepthUnit& unit) {
+  const std::string by =
+      unit.divisor > 1
+          ? fmt::format("all values are multiples of {}, as of whole millimetres; the median is {:.1f} m",
+                        unit.divisor, unit.median_m)
+          : fmt::format("by the median of {:.1f} m", unit.median_m);
+  const std::string other = unit.other_scale > 0
+                                ? fmt::format("; in {} it would be {:.1f} m",
+                                              depth_unit_text(unit.other_scale), unit.other_median_m)
+                                : "";
+  return fmt::format(
+      "in {}, a guess: {}{} (a distance that you know tells; state the unit with --depth-scale UNITS_PER_M)",
+      depth_unit_text(unit.depth_scale), by, other);
+}
+
 /// Sets the unit of depth; returns what is to be said about it.
-std::string fit_unit(const CameraDescription& description, const RecordedSequence& sequence,
+std::string fit_unit(const CameraDescription& description, RecordedSequence& sequence,
                      std::optional<double> given, RgbdCamera& camera) {
   if (is_metric(sequence.depth_encoding)) return "in m";
   if (given) camera.depth_scale = *given;
@@ -97,8 +113,11 @@ std::string fit_unit(const CameraDescription& description, const RecordedSequenc
         description.source));
   }
   camera.depth_scale = unit->depth_scale;
-  return fmt::format("in {}, a guess by the median of {:.1f} m (else use --depth-scale UNITS_PER_M)",
-                     depth_unit_text(unit->depth_scale), unit->median_m);
+  if (unit->divisor == 1)  // else the values tell
+    sequence.depth_unit_guess = fmt::format(
+        "nobody states the unit of depth; in {} all lengths are right only if the guess is (--depth-scale)",
+        depth_unit_text(unit->depth_scale));
+  return guess_text(*unit);
 }
 
 }  // namespace
@@ -119,7 +138,7 @@ std::optional<cv::Size> fit_depth_size(const RecordedSequence& sequence, RgbdCam
   return depth;
 }
 
-RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
+RgbdCamera fit_to_images(const CameraDescription& description, RecordedSequence& sequence,
                          std::optional<double> depth_scale) {
   RgbdCamera camera = description.camera;
   std::string size_note;

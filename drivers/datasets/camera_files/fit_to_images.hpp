@@ -17,22 +17,28 @@ namespace kinloop {
 struct DepthUnit {
   double depth_scale = 0;  ///< units per metre
   double median_m = 0;
+  int divisor = 1;  ///< of nearly all values; more than 1 where whole millimetres were multiplied by it
+
+  /// Another usual unit that would be plausible, and the median that it would give; 0: there is none.
+  double other_scale = 0, other_median_m = 0;
 };
 
 /// Returns whether depth images hold floats in metres, as EXR and .npy files do. A median over 100 m is of
 /// another unit.
 bool has_floats_in_metres(const RecordedSequence& sequence);
 
-/// Guesses the unit from the values of a few images spread over the sequence. Values that are all multiples
-/// of 5 are millimetres written in 1/5000 m, as the TUM benchmark does. Returns nullopt if depth is not in
-/// images of integers or floats, or no usual unit is plausible.
+/// Guesses the unit from the values of a few images spread over the sequence. Sensors measure in whole
+/// millimetres: values that are all multiples of 5 are in 1/5000 m, as in the TUM benchmark, multiples of 10
+/// in 1/10000 m. Returns nullopt if depth is not in images of integers or floats, or no usual unit is
+/// plausible.
 std::optional<DepthUnit> guess_depth_unit(const RecordedSequence& sequence);
 
 /// Returns the camera of the images of a sequence, and says in an info line where it is from. A size that is
 /// not stated is that of the images; intrinsics of another size with the same aspect are scaled. A unit of
-/// depth that is not stated is guessed. `depth_scale` replaces any. Throws InputError naming the source if it
-/// cannot be the camera of these images, or the unit of depth cannot be told.
-RgbdCamera fit_to_images(const CameraDescription& description, const RecordedSequence& sequence,
+/// depth that is not stated is guessed, and `depth_unit_guess` set. `depth_scale` replaces any. Throws
+/// InputError naming the source if it cannot be the camera of these images, or the unit of depth cannot be
+/// told.
+RgbdCamera fit_to_images(const CameraDescription& description, RecordedSequence& sequence,
                          std::optional<double> depth_scale = {});
 
 /// Gives depth of another size but the aspect of colour its own lens, that of colour scaled: the same view at

@@ -16,6 +16,9 @@ class ForwardingSource : public FrameSource {
   [[nodiscard]] const SourceInfo& info() const override { return source_->info(); }
   [[nodiscard]] SkippedFrames skipped() const override { return source_->skipped(); }
 
+  /// Returns the source whose frames these are.
+  [[nodiscard]] const FrameSource& inner() const { return *source_; }
+
  protected:
   /// Throws std::logic_error for a null pointer.
   explicit ForwardingSource(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {
