@@ -238,6 +238,109 @@ TEST(Transforms, UnitOfDepthMayBeThatOfNerfCapture) {
   EXPECT_NEAR(written.read().camera.depth_scale, 6553.5, 1e-6);
 }
 
+/// Moves both kinds of images of a folder with transforms.json into images/, as NeRFCapture saves them.
+void put_side_by_side(const fs::path& folder) {
+  std::string text = read_file(folder / "transforms.json");
+  for (const auto& [from, kind] :
+       {std::pair("rgb", "color"), std::pair("images", "color"), std::pair("depth", "depth")}) {
+    std::error_code absent;
+    if (!fs::is_directory(folder / from, absent)) continue;
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder / from)) files.push_back(entry.path());
+    for (const fs::path& file : files) {
+      const std::string name = fmt::format("shots/{}.{}", kind, file.filename().string());
+      fs::create_directories(folder / "shots");
+      fs::rename(file, folder / name);
+      const std::string old = fmt::format("{}/{}", from, file.filename().string());
+      for (size_t at = text.find(old); at != std::string::npos; at = text.find(old))
+        text.replace(at, old.size(), name);
+    }
+    fs::remove(folder / from);
+  }
+  write_file(folder / "transforms.json", text);
+}
+
+TEST(Transforms, ListedImagesMayLieAnywhere) {
+  const Written written(writer_of("Nerfstudio, NeRFCapture"), make_sample(3));
+  put_side_by_side(written.path());
+  const auto opened = read_sequence(written.path());
+  EXPECT_THAT(opened.sequence.frames, SizeIs(3));
+  EXPECT_THAT(opened.sequence.ground_truth, SizeIs(3));
+  fs::rename(written.path() / "transforms.json", written.path() / "transforms_train.json");
+  EXPECT_THAT(read_sequence(written.path()).sequence.frames, SizeIs(3));
+}
+
+/// Folders a/ and b/ with colour and depth of three frames, without a camera.
+void write_images_elsewhere(const TempFolder& folder, const Sample& sample) {
+  for (size_t i = 0; i < sample.size(); ++i) {
+    folder.write(fmt::format("a/{}.png", i), test::encoded(sample.colors[i], ".png"));
+    folder.write(fmt::format("b/{}.png", i), test::encoded(sample.depths_mm[i], ".png"));
+  }
+  write_camera_file(folder.path() / "camera.yaml", camera_in_millimetres(sample.lens));
+}
+
+TEST(Listed, AnyListThatNamesImagesIsFollowed) {
+  struct List {
+    const char* name;
+    std::string text;
+    int64_t second_ns;  ///< stamp of the second frame
+  };
+  const std::vector<List> lists = {
+      {"associate.txt",
+       "1700000000.0 a/0.png 1700000000.0 b/0.png\n1700000000.2 a/1.png 1700000000.21 b/1.png\n"
+       "1700000000.4 a/2.png 1700000000.4 b/2.png\n",
+       1'700'000'000'200'000'000},
+      {"frames.csv",
+       "time,depth,colour\r\n0,\"b/0.png\",a/0.png\r\n66667000,b/1.png,a/1.png\r\n133333000,b/2.png,a/"
+       "2.png\r\n",
+       66'667'000},
+      {"list.txt", "# two names\nb/2.png;a/2.png\nb/1.png;a/1.png\nb/0.png;a/0.png\n", 33'333'333},
+      {"frames.json",
+       R"({"fps": 30, "frames": [{"rgb": "a/0.png", "depth": "b/0.png", "timestamp": 5.0},
+ {"rgb": "a/1.png", "depth": "b/1.png", "timestamp": 5.1}, {"rgb": "a/2.png", "depth": "b/2.png", "timestamp": 5.2}]})",
+       5'100'000'000},
+  };
+  const Sample sample = make_sample(3);
+  for (const List& list : lists) {
+    SCOPED_TRACE(list.name);
+    const TempFolder folder;
+    write_images_elsewhere(folder, sample);
+    folder.write(list.name, list.text);
+    const auto opened = read_sequence(folder.path());
+    EXPECT_EQ(opened.sequence.layout, fmt::format("images listed in {}", list.name));
+    ASSERT_THAT(opened.sequence.frames, SizeIs(3));
+    EXPECT_EQ(opened.sequence.frames[1].stamp_ns, list.second_ns);
+    for (const RecordedFrame& frame : opened.sequence.frames) {
+      EXPECT_EQ(frame.color.file.parent_path().filename(), "a");
+      EXPECT_EQ(frame.color.file.filename(), frame.depth.file.filename());
+    }
+  }
+}
+
+TEST(Listed, MutatedListsAreReadOrRefused) {
+  const Sample sample = make_sample(2, {8, 6});
+  const TempFolder folder;
+  write_images_elsewhere(folder, sample);
+  cv::RNG random(12);
+  int refused = 0;
+  for (const auto& [name, text] : {std::pair("l.txt", "0.0 a/0.png 0.0 b/0.png\n0.1 a/1.png 0.1 b/1.png\n"),
+                                   std::pair("l.json", R"([{"c": "a/0.png", "d": "b/0.png", "time": 1},
+ {"c": "a/1.png", "d": "b/1.png", "time": 2}])")}) {
+    for (int i = 0; i < 200; ++i) {
+      const auto file = folder.write(name, mutated(text, random));
+      try {
+        const auto source = open_sequence(folder.path().string());
+        while (source->next()) {
+        }
+      } catch (const InputError&) {
+        ++refused;
+      }
+      fs::remove(file);
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
 TEST(Transforms, FramesWithoutDepthFilesArePairedAsInTwoFolders) {
   const Sample sample = make_sample(3);
   const Written written(writer_of("Nerfstudio, NeRFCapture"), sample);
@@ -500,6 +603,27 @@ TEST(RecordedSource, DepthImageWithoutPixelsForTheCameraIsAnError) {
 }
 
 #ifdef KINLOOP_WITH_VIDEO
+TEST(StrayScanner, RowsAreThoseOfTheirFrame) {
+  if (!video_available()) GTEST_SKIP() << "this build reads no video";
+  const Sample sample = make_sample(6);
+  const Written written(writer_of("Stray Scanner"), sample);
+  const fs::path file = written.path() / "odometry.csv";
+  std::istringstream text(read_file(file));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  // The row of frame 1 is missing, and the others are in another order.
+  write_file(file, fmt::format("{}\n{}\n{}\n{}\n", lines[0], lines[4], lines[1], lines[3]));
+  const auto source = written.open();
+  for (const size_t index : {size_t{0}, size_t{2}, size_t{3}}) {
+    const auto frame = source->next();
+    ASSERT_TRUE(frame) << index << ": "
+                       << (source->skipped().empty() ? "" : source->skipped().front().reason);
+    EXPECT_EQ(frame->stamp_ns, sample.truth[index].stamp_ns);
+    EXPECT_LT(cv::norm(frame->color.bgr(), sample.colors[index], cv::NORM_INF), 12) << index;
+  }
+  EXPECT_FALSE(source->next());
+}
+
 TEST(StrayScanner, TheMedianOfTheLensesOfAllFramesIsUsed) {
   const Written written(writer_of("Stray Scanner"), make_sample(3));
   std::string odometry = "timestamp, frame, x, y, z, qx, qy, qz, qw, fx, fy, cx, cy, more, \n";

@@ -54,6 +54,7 @@ SequenceLayout record3d_layout();
 SequenceLayout record3d_export_layout();
 SequenceLayout transforms_layout();
 SequenceLayout redwood_layout();
+SequenceLayout listed_layout();
 SequenceLayout plain_layout();
 SequenceLayout flat_layout();
 

@@ -10,7 +10,8 @@ std::span<const SequenceLayout> sequence_layouts() {
       open_loris_layout(),     bundle_fusion_layout(), seven_scenes_layout(), scannet_layout(),
       sens_layout(),           replica_layout(),       tartan_air_layout(),   stray_scanner_layout(),
       scanner_3d_app_layout(), polycam_layout(),       record3d_layout(),     record3d_export_layout(),
-      transforms_layout(),     redwood_layout(),       plain_layout(),        flat_layout(),
+      transforms_layout(),     redwood_layout(),       listed_layout(),       plain_layout(),
+      flat_layout(),
   };
   return kLayouts;
 }

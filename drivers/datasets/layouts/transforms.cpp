@@ -4,6 +4,8 @@
 // folders.
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <map>
 
 #include <fmt/format.h>
@@ -12,6 +14,8 @@
 #include "drivers/datasets/reading/json_file.hpp"
 #include "drivers/datasets/reading/lists/frame_masks.hpp"
 #include "drivers/datasets/reading/lists/image_pairs.hpp"
+#include "drivers/datasets/reading/lists/name_times.hpp"
+#include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 
@@ -20,18 +24,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kTransforms = "transforms.json";
+constexpr std::array kTransforms = {"transforms.json", "transforms_train.json"};  // the latter of Blender
 
 /// A frame as the file lists it.
 struct ListedFrame {
   fs::path color, depth;  ///< depth: empty if not listed
   std::optional<SE3> T_world_camera;
+  std::optional<double> stamp_s;
 };
 
-std::string transforms_evidence(const fs::path&, const FolderContents& contents) {
-  const bool fits =
-      contents.has_file(kTransforms) && !color_folder(contents).empty() && !depth_folder(contents).empty();
-  return fits ? kTransforms : "";
+/// Whether the file names depth images, as a search for their key tells.
+bool names_depth(const fs::path& file) {
+  constexpr size_t kLookedAt = 1 << 16;
+  std::ifstream stream(file, std::ios::binary);
+  std::string beginning(kLookedAt, '\0');
+  stream.read(beginning.data(), kLookedAt);
+  beginning.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  return beginning.find("\"depth") != std::string::npos;
+}
+
+std::string transforms_evidence(const fs::path& folder, const FolderContents& contents) {
+  for (const char* name : kTransforms) {
+    if (!contents.has_file(name)) continue;
+    const bool folders = !color_folder(contents).empty() && !depth_folder(contents).empty();
+    if (folders || names_depth(folder / name)) return name;
+  }
+  return {};
 }
 
 std::string text_at(const nlohmann::json& frame, std::initializer_list<const char*> keys) {
@@ -64,7 +82,7 @@ fs::path image_path(const fs::path& folder, const std::string& name) {
   if (name.empty()) return {};
   fs::path file = (folder / name).lexically_normal();
   std::error_code absent;
-  for (const char* ending : {"", ".png", ".jpg"}) {
+  for (const char* ending : {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".webp"}) {
     fs::path image = file.string() + ending;
     if (fs::is_regular_file(image, absent)) return image;
   }
@@ -81,7 +99,10 @@ std::vector<ListedFrame> listed_frames(const nlohmann::json& json, const fs::pat
     if (color.empty()) continue;
     const fs::path depth =
         image_path(folder, text_at(frame, {"depth_file_path", "depth_path", "depth_map", "depth"}));
-    frames.push_back({color, depth, transform_of(frame)});
+    const auto stamp = frame.find("timestamp");
+    const bool stamped = stamp != frame.end() && stamp->is_number();
+    frames.push_back(
+        {color, depth, transform_of(frame), stamped ? std::optional(stamp->get<double>()) : std::nullopt});
   }
   std::sort(frames.begin(), frames.end(), [](const ListedFrame& a, const ListedFrame& b) {
     return natural_less(a.color.string(), b.color.string());
@@ -96,19 +117,38 @@ bool is_listed_with_depth(const std::vector<ListedFrame>& frames) {
   });
 }
 
+/// The frames that the file lists with depth, with its times or those of the names, where there are any.
+void take_listed(const std::vector<ListedFrame>& listed, const fs::path& folder, RecordedSequence& sequence) {
+  std::vector<fs::path> color;
+  for (const ListedFrame& frame : listed) {
+    if (frame.depth.empty()) continue;
+    const int64_t stamp_ns = frame.stamp_s ? checked_stamp(*frame.stamp_s, frame.color) : 0;
+    sequence.frames.push_back({stamp_ns, stamp_ns, {frame.color}, {frame.depth}, {}, 0});
+    color.push_back(frame.color);
+  }
+  const bool stamped = std::all_of(listed.begin(), listed.end(),
+                                   [](const ListedFrame& frame) { return frame.stamp_s.has_value(); });
+  const auto times = stamped ? std::nullopt : times_in_names(color);
+  sequence.stamps_measured = stamped || times;
+  for (size_t i = 0; times && i < color.size(); ++i)
+    sequence.frames[i].stamp_ns = sequence.frames[i].depth_stamp_ns = times->stamps_ns[i];
+  if (!sequence.stamps_measured) return stamp_by_rate(sequence.frames, stated_fps(folder));
+  keep_increasing(sequence);
+}
+
 RecordedSequence read_transforms_folder(const fs::path& folder) {
-  const auto listed = listed_frames(read_json(folder / kTransforms), folder);
+  const FolderContents contents(folder);
+  const auto listed = listed_frames(read_json(folder / transforms_evidence(folder, contents)), folder);
   RecordedSequence sequence;
   sequence.layout = "folder with transforms.json";
   sequence.truth_in_metres = false;  // Nerfstudio's poses often come from COLMAP
   if (is_listed_with_depth(listed)) {
-    sequence.stamps_measured = false;
-    for (const ListedFrame& frame : listed) {
-      if (!frame.depth.empty()) sequence.frames.push_back({0, 0, {frame.color}, {frame.depth}, {}, 0});
-    }
-    stamp_by_rate(sequence.frames, stated_fps(folder));
+    take_listed(listed, folder, sequence);
+  } else if (color_folder(contents).empty() || depth_folder(contents).empty()) {
+    throw InputError(fmt::format(
+        "{}: none of its {} frames has a colour and a depth image that are there; copy the images",
+        (folder / transforms_evidence(folder, contents)).string(), listed.size()));
   } else {
-    const FolderContents contents(folder);
     pair_folders(folder / color_folder(contents), folder / depth_folder(contents), stated_fps(folder),
                  sequence);
   }
@@ -128,8 +168,8 @@ RecordedSequence read_transforms_folder(const fs::path& folder) {
 }  // namespace
 
 SequenceLayout transforms_layout() {
-  return {"Nerfstudio, NeRFCapture", "transforms.json, rgb/ or images/, and depth/", transforms_evidence,
-          read_transforms_folder};
+  return {"Nerfstudio, NeRFCapture", "transforms.json that lists depth, or with depth/ and rgb/ or images/",
+          transforms_evidence, read_transforms_folder};
 }
 
 }  // namespace kinloop

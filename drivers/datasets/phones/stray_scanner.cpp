@@ -1,9 +1,11 @@
 // Stray Scanner: rgb.mp4, depth/000000.png (256 x 192, millimetres), confidence/000000.png (0 to 2),
-// camera_matrix.csv, and odometry.csv with a line for each frame:
+// camera_matrix.csv, and odometry.csv with a line for each frame, which is that of the video by its number:
 //   timestamp, frame, x, y, z, qx, qy, qz, qw[, fx, fy, cx, cy]
 // The poses are those of a camera with y down, looking along z.
 
+#include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,7 +17,7 @@
 #include "drivers/datasets/reading/matrix_text.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/text_file.hpp"
-#include "kinloop/core/time.hpp"
+#include "kinloop/core/time_unit.hpp"
 
 namespace kinloop {
 namespace {
@@ -46,12 +48,17 @@ std::vector<TextLine> read_csv(const fs::path& file) {
   return lines;
 }
 
-/// A line of the odometry: the frame and the pose of its camera.
-StampedPose parse_odometry(const TextLine& line, const fs::path& file) {
-  constexpr size_t kColumns = 9, kPose = 2;
+constexpr size_t kColumns = 9;
+
+void require_columns(const TextLine& line, const fs::path& file) {
   if (line.fields.size() < kColumns)
     throw_parse_error(file, line.number,
                       fmt::format("expected '{}', found {} fields", kStrayColumns, line.fields.size()));
+}
+
+/// A line of the odometry: the frame and the pose of its camera.
+StampedPose parse_odometry(const TextLine& line, const fs::path& file) {
+  constexpr size_t kPose = 2;
   const auto stamp_ns = parse_stamp_ns(line.fields[0]);
   if (!stamp_ns)
     throw_parse_error(file, line.number, fmt::format("'{}' is not a time in seconds", line.fields[0]));
@@ -61,6 +68,32 @@ StampedPose parse_odometry(const TextLine& line, const fs::path& file) {
   if (!T_world_camera)
     throw_parse_error(file, line.number, "the quaternion is zero; correct or delete the line");
   return {*stamp_ns, *T_world_camera};
+}
+
+/// The number of a frame in the video: rows may be missing, or in another order.
+size_t parse_frame(const TextLine& line, const fs::path& file) {
+  constexpr size_t kMost = 10'000'000;  // four days at 30 Hz
+  const auto number = parse_whole(line.fields[1]);
+  if (!number || *number > kMost)
+    throw_parse_error(
+        file, line.number,
+        fmt::format("'{}' is not the number of a frame; correct or delete the line", line.fields[1]));
+  return static_cast<size_t>(*number);
+}
+
+/// The rows in the order of the video.
+std::vector<TextLine> rows_by_frame(const fs::path& file) {
+  std::vector<std::pair<size_t, TextLine>> numbered;
+  for (TextLine& line : read_csv(file)) {
+    require_columns(line, file);
+    const size_t frame = parse_frame(line, file);
+    numbered.emplace_back(frame, std::move(line));
+  }
+  std::stable_sort(numbered.begin(), numbered.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<TextLine> rows;
+  for (auto& [frame, line] : numbered) rows.push_back(std::move(line));
+  return rows;
 }
 
 /// The lens of a frame, which newer versions of the app write.
@@ -89,13 +122,12 @@ RecordedSequence read_stray_scanner(const fs::path& folder) {
   sequence.layout = "Stray Scanner folder";
   sequence.video = folder / "rgb.mp4";
   const fs::path file = folder / "odometry.csv";
-  size_t video_frame = 0;
   std::vector<PinholeCamera> lenses;
-  for (const TextLine& line : read_csv(file)) {
+  for (const TextLine& line : rows_by_frame(file)) {
     const auto [stamp_ns, T_world_camera] = parse_odometry(line, file);
     const fs::path image = line.fields[1] + ".png";
-    if (image.has_parent_path()) throw_parse_error(file, line.number, "the frame is not a number");
-    RecordedFrame frame{stamp_ns, stamp_ns, {}, {folder / "depth" / image}, {}, video_frame++};
+    const size_t video_frame = parse_frame(line, file);
+    RecordedFrame frame{stamp_ns, stamp_ns, {}, {folder / "depth" / image}, {}, video_frame};
     const fs::path confidence = folder / "confidence" / image;
     std::error_code absent;
     if (fs::exists(confidence, absent)) frame.confidence = confidence;
