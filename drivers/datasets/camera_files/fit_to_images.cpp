@@ -82,18 +82,21 @@ std::string depth_unit_text(double depth_scale) {
 
 /// Why a unit was taken, and what else it may be.
 std::string guess_text(const DepthUnit& unit) {
-  const std::string by =
-      unit.divisor > 1
-          ? fmt::format("all values are multiples of {}, as of whole millimetres; the median is {:.1f} m",
-                        unit.divisor, unit.median_m)
-          : fmt::format("by the median of {:.1f} m", unit.median_m);
+  const std::string taken = depth_unit_text(unit.depth_scale);
+  if (unit.divisor > 1)
+    return fmt::format(
+        "in {}: all values are multiples of {}, as of whole millimetres; the median is {:.1f} m (else state "
+        "the "
+        "unit with --depth-scale UNITS_PER_M)",
+        taken, unit.divisor, unit.median_m);
   const std::string other = unit.other_scale > 0
                                 ? fmt::format("; in {} it would be {:.1f} m",
                                               depth_unit_text(unit.other_scale), unit.other_median_m)
                                 : "";
   return fmt::format(
-      "in {}, a guess: {}{} (a distance that you know tells; state the unit with --depth-scale UNITS_PER_M)",
-      depth_unit_text(unit.depth_scale), by, other);
+      "in {}, a guess: by the median of {:.1f} m{} (a distance that you know tells; state the unit with "
+      "--depth-scale UNITS_PER_M)",
+      taken, unit.median_m, other);
 }
 
 /// Sets the unit of depth; returns what is to be said about it.

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <functional>
 #include <set>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -89,13 +91,18 @@ std::optional<ListedPair> pair_in(const Row& row, const fs::path& folder) {
   return pair;
 }
 
+std::string text_of(const nlohmann::json& number) {
+  return number.is_number_integer() ? std::to_string(number.get<int64_t>())
+                                    : fmt::format("{:.9f}", number.get<double>());
+}
+
 void add_row_of(const nlohmann::json& object, std::vector<Row>& rows) {
   Row row;
   for (const auto& [key, value] : object.items()) {
     const std::string name = lower_case(key);
     const bool is_time = name.find("time") != std::string::npos || name.find("stamp") != std::string::npos;
     if (value.is_string()) row.push_back(value.get<std::string>());
-    if (value.is_number() && is_time) row.insert(row.begin(), value.dump());
+    if (value.is_number() && is_time) row.insert(row.begin(), text_of(value));
   }
   rows.push_back(row);
 }
