@@ -11,6 +11,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import sysconfig
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
@@ -31,23 +32,34 @@ OPTIONS = {
 }
 
 
+def pybind11_arguments():
+    """CMake's arguments for the pybind11 of this environment (python/pyproject.toml asks for it). None without one: CMake
+    then looks in build/pybind11, where scripts/install_pybind11.sh puts it."""
+    try:
+        import pybind11
+    except ImportError:
+        return []
+    return [f"-Dpybind11_DIR={pybind11.get_cmake_dir()}"]
+
+
 class CMakeBuild(build_ext):
     """Builds the only extension with CMake and copies it to where setuptools expects it."""
 
     def build_extension(self, extension):
         build = pathlib.Path(os.environ.get("KINLOOP_BUILD_FOLDER", ROOT / "build" / "wheel"))
         arguments = [f"-D{name}={value}" for name, value in OPTIONS.items()]
-        arguments += shlex.split(os.environ.get("KINLOOP_CMAKE_ARGS", ""))
+        arguments += pybind11_arguments() + shlex.split(os.environ.get("KINLOOP_CMAKE_ARGS", ""))
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         subprocess.run(["cmake", "-S", ROOT, "-B", build, *generator, *arguments], check=True)
         if "KINLOOP_PYTHON_FOUND:INTERNAL=1" not in (build / "CMakeCache.txt").read_text():
-            sys.exit("pybind11 or the headers of Python were not found: apt-get install pybind11-dev python3-dev")
+            sys.exit("pybind11 2.13 or newer, or the headers of this Python, were not found: scripts/install_pybind11.sh "
+                     "fetches the former, apt-get install python3-dev the latter for the distribution's Python")
         jobs = subprocess.run([ROOT / "scripts" / "build_jobs.sh"], check=True, capture_output=True, text=True).stdout
         subprocess.run(["cmake", "--build", build, "--target", "_kinloop", "--parallel", jobs.strip()], check=True)
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)
-        (module,) = (build / "python" / "kinloop").glob("_kinloop*.so")
-        shutil.copyfile(module, target)
+        module = f"_kinloop{sysconfig.get_config_var('EXT_SUFFIX')}"  # the folder may have those of other Pythons
+        shutil.copyfile(build / "python" / "kinloop" / module, target)
 
 
 setup(
@@ -58,7 +70,7 @@ setup(
     long_description_content_type="text/markdown",
     license_files=["LICENSE"],
     python_requires=">=3.9",
-    install_requires=["numpy<2"],  # the pybind11 of Debian 12 and Ubuntu 24.04 misreads the arrays of NumPy 2
+    install_requires=["numpy"],
     extras_require={
         "open3d": ["open3d"],
         "pandas": ["pandas"],

@@ -29,7 +29,7 @@ optional=(
   "distributed training: libopenmpi-dev openmpi-bin"
   "sources of g2o: python3-venv"
   "kinloop batch: python3-yaml"
-  "Python: python3-dev pybind11-dev python3-numpy python3-pytest"
+  "Python: python3-dev python3-numpy python3-pytest python3-venv"
   "video: libavformat-dev libavcodec-dev libswscale-dev"
   "ROS node: librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
@@ -153,10 +153,11 @@ if may_install && [[ $((${#missing[@]} + ${#available[@]})) -gt 0 ]]; then
     for package in "${available[@]}"; do install "$package" || true; done
   fi
 fi
-# No distribution packages g2o; the Python package index has its sources.
+# No distribution packages g2o, and none a pybind11 that knows NumPy 2; the Python package index has both.
 g2o_state="left out"
 if ! $minimal; then
   g2o_state="installed (sources in build/g2o)"
   "$(dirname "${BASH_SOURCE[0]}")/install_g2o.sh" || g2o_state="off: its sources could not be fetched (see above); nothing depends on it: docs/method.md"
+  "$(dirname "${BASH_SOURCE[0]}")/install_pybind11.sh" || true  # the Python package is off; `kinloop --version` says so
 fi
 print_table

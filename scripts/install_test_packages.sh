@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what some tests compare kinloop with and no distribution packages, from the Python package index, into the
-# virtual environment build/test_packages. Nothing else uses it. Without it, or without a network, these tests are
-# skipped and say so.
+# Installs what some tests need and no distribution packages, from the Python package index, into virtual environments:
+# build/test_packages has what kinloop is compared with, build/numpy_1 and build/numpy_2 the two NumPys that the Python
+# package is tested with. Nothing else uses them. Without them, or without a network, these tests are skipped and say so.
 # Usage: scripts/install_test_packages.sh
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -21,17 +21,35 @@ packages=(
   "pyk4a-bundle==1.5.0; python_version=='3.11' and platform_machine=='x86_64'" # .mkv of an Azure Kinect: tests/scripts/azure_test.py
 )
 realsense_bag=pyrealsense2==2.57.7.10387  # the last one that writes .bag files
-environment="build/test_packages"
-stamp="$environment/installed"
+# The Python package's module is built for the distribution's Python, if there is one.
+module_python=/usr/bin/python3
+if [[ ! -x "$module_python" ]]; then module_python=python3; fi
 
-if [[ "$(cat "$stamp" 2>/dev/null)" == "${packages[*]} $realsense_bag" ]]; then exit 0; fi
-rm -rf "$environment"
+# install_environment FOLDER PYTHON PACKAGE...: a virtual environment with these packages, unless it is there.
+install_environment() {
+  local folder="$1" python="$2"
+  shift 2
+  if [[ "$(cat "$folder/installed" 2>/dev/null)" == "$*" ]]; then return 0; fi
+  echo "Installing for tests into $folder: $*"
+  rm -rf "$folder"
+  "$python" -m venv "$folder" 2>/dev/null && "$folder/bin/pip" install -q "$@" 2>"$folder/log" && echo "$*" >"$folder/installed"
+}
+
+install_realsense_bag() {
+  local folder=build/test_packages/realsense_bag
+  if [[ "$(cat "$folder/installed" 2>/dev/null)" == "$realsense_bag" ]]; then return 0; fi
+  rm -rf "$folder"
+  build/test_packages/bin/pip install -q --no-deps --target "$folder" "$realsense_bag" 2>>build/test_packages/log &&
+    echo "$realsense_bag" >"$folder/installed"
+}
+
 mkdir -p build
-echo "Installing for tests: ${packages[*]}"
-if python3 -m venv "$environment" 2>/dev/null && "$environment/bin/pip" install -q "${packages[@]}" 2>"$environment/log" &&
-  "$environment/bin/pip" install -q --no-deps --target "$environment/realsense_bag" "$realsense_bag" 2>>"$environment/log"; then
-  echo "${packages[*]} $realsense_bag" >"$stamp"
-else
-  echo "The packages for tests could not be installed (no network, or no python3-venv); these tests will be skipped." >&2
+all=true
+{ install_environment build/test_packages python3 "${packages[@]}" && install_realsense_bag; } || all=false
+install_environment build/numpy_1 "$module_python" numpy==1.26.4 pytest==9.2.0 || all=false
+install_environment build/numpy_2 "$module_python" "numpy==2.4.6; python_version>='3.11'" \
+  "numpy==2.2.6; python_version<'3.11'" pytest==9.2.0 || all=false
+if ! $all; then
+  echo "Not all packages for tests could be installed (no network, or no python3-venv); tests that need them are skipped." >&2
   exit 1
 fi

@@ -38,8 +38,9 @@ bool is_of(const py::array& array) {
 }
 
 /// Rows of aligned pixels of one element at positive strides, as OpenCV has them; other layouts are copied
-/// first. The size of an element is not asked of the array: pybind11 before 2.12 reads it as 0 from NumPy 2.
-py::array with_rows(const py::array& array, py::ssize_t pixel_bytes) {
+/// first.
+py::array with_rows(const py::array& array) {
+  const py::ssize_t pixel_bytes = array.itemsize();
   const bool rows = array.strides(1) == pixel_bytes && array.strides(0) >= pixel_bytes * array.shape(1);
   const bool aligned =
       (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0 && array.strides(0) % pixel_bytes == 0;
@@ -106,14 +107,14 @@ cv::Mat depth_image(const py::array& depth, const char* name) {
   if (is_of<uint16_t>(depth)) type = CV_16UC1;
   if (type < 0 || depth.ndim() != 2)
     refuse(name, "float32 (metres) or uint16 (units) of shape (height, width)", depth);
-  const py::array rows = with_rows(depth, CV_ELEM_SIZE(type));
+  const py::array rows = with_rows(depth);
   const cv::Mat image = mat_over(rows, type, rows.data());
   return rows.is(depth) ? image : image.clone();
 }
 
 cv::Mat gray_image(const py::array& image, const char* name) {
   if (is_of<uint8_t>(image) && image.ndim() == 2) {
-    const py::array rows = with_rows(image, 1);
+    const py::array rows = with_rows(image);
     return mat_over(rows, CV_8UC1, rows.data()).clone();
   }
   if (!is_of<uint8_t>(image) || image.ndim() != 3 || image.shape(2) != 3)

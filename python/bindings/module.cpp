@@ -54,7 +54,6 @@ PYBIND11_MODULE(_kinloop, module) {
   using namespace kinloop::python;
   namespace py = pybind11;
   module.attr("__version__") = KINLOOP_VERSION;
-  module.attr("_knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;
   set_up_log();
   py::options options;
   options.disable_function_signatures();  // the stubs have them, with better types

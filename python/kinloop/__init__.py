@@ -13,13 +13,8 @@ Units are metres and seconds. `T_a_b` maps points of frame b to frame a. Camera 
 world is the first camera. Bad files raise InputError and bad arguments UsageError, both with the texts of the program.
 """
 
-import numpy as _np
-
-from . import _calls, _convert, _kinloop, _numpy, _rerun
-
-_numpy.require_known(_np.__version__, _kinloop._knows_numpy_2)
-
-from ._kinloop import (  # noqa: E402
+from . import _calls, _convert, _rerun
+from ._kinloop import (
     BoardView,
     Calibration,
     Camera,

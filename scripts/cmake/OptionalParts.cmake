@@ -163,7 +163,8 @@ if(cgal_FOUND)
   target_compile_definitions(kinloop_cgal INTERFACE CGAL_DISABLE_GMP)
 endif()
 
-# The Python package. The distribution's packages belong to its own Python, which need not be the first in PATH.
+# The Python package. The distribution's packages belong to its own Python, which need not be the first in PATH. Only
+# pybind11 2.13 and newer knows NumPy 2 and all supported Pythons: scripts/install_pybind11.sh fetches one.
 set(python_FOUND 0)
 if(KINLOOP_PYTHON)
   if(NOT Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
@@ -171,7 +172,7 @@ if(KINLOOP_PYTHON)
   endif()
   find_package(Python3 3.9 QUIET COMPONENTS Interpreter Development.Module)
   if(Python3_FOUND)
-    find_package(pybind11 2.9 QUIET CONFIG)
+    find_package(pybind11 2.13 QUIET CONFIG HINTS ${PROJECT_SOURCE_DIR}/build/pybind11/pybind11/share/cmake/pybind11)
   endif()
   if(pybind11_FOUND)
     set(python_FOUND 1)

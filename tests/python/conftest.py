@@ -4,12 +4,24 @@ import os
 import pathlib
 import subprocess
 
+import numpy
 import pytest
 
 import kinloop
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SHARED_DATA = SOURCE.parent / "shared" / "data"
+
+
+def pytest_addoption(parser):
+    parser.addoption("--numpy", help="the major version that NumPy must have; all tests are skipped with another one")
+
+
+def pytest_collection_modifyitems(config, items):
+    wanted = config.getoption("--numpy")
+    if wanted not in (None, numpy.__version__.split(".")[0]):
+        for item in items:
+            item.add_marker(pytest.mark.skip(reason=f"NumPy {wanted} is asked for, NumPy {numpy.__version__} is installed"))
 
 
 def pytest_sessionfinish(session, exitstatus):

@@ -41,7 +41,7 @@ std::string version_text() {
       {"OAK", part(oak_available(), "depthai 3")},
       {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
       {"Python",
-       KINLOOP_PYTHON_FOUND ? "yes" : "no (KINLOOP_PYTHON is off, or pybind11 was not found at build time)"},
+       KINLOOP_PYTHON_FOUND ? "yes" : "no (KINLOOP_PYTHON is off, or pybind11 2.13 was not found at build time)"},
       {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
       {"downloads", part(download_available(), "curl or libarchive")},
       {"distributed training", part(mpi_available(), "MPI")},
