@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Maps a room: installs missing packages, builds kinloop and runs it on the built-in simulated Kinect, or on a
 # sequence.
-# Usage: ./demo.sh [--minimal] [SEQUENCE]     --minimal leaves the optional parts out
+# Usage: ./demo.sh [--minimal] [SEQUENCE]     --minimal leaves all optional parts out
 # e.g. ./demo.sh ~/data/rgbd_dataset_freiburg1_room; the results are in out/demo
 set -euo pipefail
 
@@ -29,14 +29,14 @@ else
 fi
 cat <<TEXT
 This maps $sequence in three steps:
-  1. packages   installs what is missing with apt; 3 to 10 minutes on a fresh machine
+  1. packages   installs what is missing with apt; at most 200 packages, 1 to 5 minutes on a fresh machine
   2. build      compiles kinloop: $build_time
   3. map        writes trajectory, 3D map and report to $PWD/$out
 
 TEXT
 
 echo "== 1. Packages"
-scripts/install_dependencies.sh "${minimal[@]}"
+scripts/install_dependencies.sh "${minimal[@]:---program}"
 
 echo
 echo "== 2. Build"

@@ -3,4 +3,6 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-build/release/apps/kinloop --version | awk -F ': ' 'NF == 1 { print } NF > 1 { printf "  %-26s %s\n", $1, $2 }'
+build/release/apps/kinloop --version | while IFS= read -r line; do
+  if [[ "$line" == *": "* ]]; then printf '  %-26s %s\n' "${line%%: *}" "${line#*: }"; else echo "$line"; fi
+done

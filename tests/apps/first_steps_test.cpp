@@ -1,8 +1,13 @@
 // A new user's first steps: help, the version, a nonexistent output folder.
 
+#include <sstream>
+#include <utility>
+#include <vector>
+
 #include <gmock/gmock.h>
 
 #include "tests/apps/program_test.hpp"
+#include "tests/support/shared_data.hpp"
 
 namespace kinloop {
 namespace {
@@ -36,6 +41,35 @@ TEST_F(GettingStarted, HelpIsTheSameInBothOrders) {
   EXPECT_EQ(run("help").out, run("--help").out);
   EXPECT_THAT(run("help mesh").out, HasSubstr("--voxel"));
   EXPECT_EQ(run("version").out, run("--version").out);
+}
+
+/// The lines of --version after the first, as name and state.
+std::vector<std::pair<std::string, std::string>> parts_of(const std::string& version) {
+  std::vector<std::pair<std::string, std::string>> parts;
+  std::istringstream lines(version);
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    const size_t colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    parts.emplace_back(line.substr(0, colon), line.substr(colon + 2));
+  }
+  return parts;
+}
+
+TEST_F(GettingStarted, MissingPartsSayWhatAddsThem) {
+  const auto parts = parts_of(run("--version").out);
+  EXPECT_GT(parts.size(), 10U);
+  const std::string script = read_file(test::source_folder() / "scripts/install_dependencies.sh");
+  for (const auto& [name, state] : parts) {
+    EXPECT_THAT(state,
+                testing::AnyOf("yes", testing::MatchesRegex("no \\(.+; to add it: .+, and build again\\)")))
+        << name;
+    const bool no_distribution_has_it =
+        name == "Kinect 2" || name == "RealSense" || name == "Orbbec" || name == "OAK";
+    if (no_distribution_has_it) continue;
+    EXPECT_THAT(script, HasSubstr("\"" + name + ": "));
+  }
 }
 
 TEST_F(GettingStarted, NeedsNoFolderForTemporaryFiles) {

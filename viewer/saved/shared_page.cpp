@@ -42,8 +42,7 @@ std::string page_of(const SavedRun& run, const std::vector<KeyframeImage>& image
   std::string page(viewer_page());
   const size_t slot = page.find(kSlot);
   if (slot == std::string::npos)
-    throw InputError(
-        "this kinloop was built without its pages (see kinloop --version); install npm and rebuild");
+    throw InputError("this kinloop was built without its pages; kinloop --version says what adds them");
   page.insert(slot + kSlot.size(), base64(gzipped(messages_of(scene))));
   return page.insert(slot, kPolicy);
 }

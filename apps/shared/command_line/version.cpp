@@ -1,6 +1,5 @@
 #include "apps/shared/command_line/version.hpp"
 
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,33 +23,51 @@
 #include "tools/vocabulary_training/communicator.hpp"
 
 namespace kinloop {
+namespace {
+
+/// An optional part: what it gives, and the line that adds it to the sources' next build. Empty: its name for
+/// scripts/install_dependencies.sh, as all parts have it that distributions package.
+struct Part {
+  const char* name;
+  bool in;
+  const char* gives;
+  const char* add = "";
+};
+
+std::string state_of(const Part& part) {
+  if (part.in) return "yes";
+  const std::string add =
+      *part.add != 0 ? std::string(part.add)
+                     : fmt::format("scripts/install_dependencies.sh --program --with '{}'", part.name);
+  return fmt::format("no ({}; to add it: {}, and build again)", part.gives, add);
+}
+
+}  // namespace
 
 std::string version_text() {
-  const auto part = [](bool in, const char* what) {
-    return in ? std::string("yes") : fmt::format("no ({} not found at build time)", what);
-  };
-  const std::vector<std::pair<const char*, std::string>> parts{
-      {"g2o solver", part(pose_graph_solver_available(PoseGraphSolver::kG2o), "g2o")},
-      {"SURF", part(surf_available(), "dlib")},
-      {"ChArUco boards", part(charuco_available(), "OpenCV's aruco")},
-      {"Kinect 1", part(kinect1_available(), "libfreenect")},
-      {"Kinect 2", part(kinect2_available(), "libfreenect2")},
-      {"OpenNI2", part(openni2_available(), "libOpenNI2")},
-      {"RealSense", part(realsense_available(), "librealsense2")},
-      {"Orbbec", part(orbbec_available(), "OrbbecSDK 2")},
-      {"OAK", part(oak_available(), "depthai 3")},
-      {"ROS node", part(KINLOOP_ROS_FOUND, "roscpp")},
-      {"Python",
-       KINLOOP_PYTHON_FOUND ? "yes" : "no (KINLOOP_PYTHON is off, or pybind11 2.13 was not found at build time)"},
-      {"video", part(video_available(), "libavformat, libavcodec or libswscale")},
-      {"downloads", part(download_available(), "curl or libarchive")},
-      {"distributed training", part(mpi_available(), "MPI")},
-      {"meshes", part(tsdf_available(), "OpenVDB")},
-      {"simplified meshes", part(mesh_simplification_available(), "CGAL")},
-      {"occupancy maps", part(occupancy_available(), "OctoMap")},
-      {"viewer and report pages", part(KINLOOP_PAGES_FOUND, "npm or network access")}};
+  const std::vector<Part> parts{
+      {"g2o solver", pose_graph_solver_available(PoseGraphSolver::kG2o), "kinloop optimize --solver g2o"},
+      {"SURF", surf_available(), "SURF in kinloop features"},
+      {"ChArUco boards", charuco_available(), "kinloop calibrate --board charuco:..."},
+      {"Kinect 1", kinect1_available(), "the live camera kinect1"},
+      {"Kinect 2", kinect2_available(), "the live camera kinect2", "libfreenect2 (docs/cameras.md)"},
+      {"OpenNI2", openni2_available(), "the live camera openni2"},
+      {"RealSense", realsense_available(), "the live camera realsense", "librealsense2 (docs/cameras.md)"},
+      {"Orbbec", orbbec_available(), "the live camera orbbec", "OrbbecSDK 2 (docs/cameras.md)"},
+      {"OAK", oak_available(), "the live camera oak", "depthai 3 (docs/cameras.md)"},
+      {"ROS node", KINLOOP_ROS_FOUND != 0, "a node of ROS 1; bags are read without it"},
+      {"Python", KINLOOP_PYTHON_FOUND != 0, "import kinloop",
+       "scripts/install_dependencies.sh --program --with Python, configure with -DKINLOOP_PYTHON=ON"},
+      {"video", video_available(), "recordings of Stray Scanner and the Azure Kinect"},
+      {"downloads", download_available(), "kinloop fetch"},
+      {"distributed training", mpi_available(), "kinloop vocab on several machines, by MPI"},
+      {"meshes", tsdf_available(), "kinloop mesh"},
+      {"simplified meshes", mesh_simplification_available(), "kinloop mesh --triangles and --manifold"},
+      {"occupancy maps", occupancy_available(), "kinloop export --octomap"},
+      {"viewer and report pages", KINLOOP_PAGES_FOUND != 0,
+       "the live page, kinloop view and the pictures of report.html"}};
   std::string text = program_name();
-  for (const auto& [name, state] : parts) text += fmt::format("\n{}: {}", name, state);
+  for (const Part& part : parts) text += fmt::format("\n{}: {}", part.name, state_of(part));
   return text;
 }
 
