@@ -44,10 +44,19 @@ cv::Mat keep_alive(cv::Mat image, const py::object& owner) {
   return image;
 }
 
-void require_size(const cv::Mat& image, const PinholeCamera& camera, const char* name) {
+/// How an image comes to have the size that the camera has.
+const char* size_remedy(const cv::Mat& image, const PinholeCamera& camera, bool depth) {
+  if (image.cols == camera.height && image.rows == camera.width)
+    return "an array has its height first: np.swapaxes(image, 0, 1)";
+  if (depth) return "register depth to colour, or give kinloop.Camera its own camera: depth={fx, fy, cx, cy}";
+  return "give kinloop.Camera the width, height, fx, fy, cx and cy of these images";
+}
+
+void require_size(const cv::Mat& image, const PinholeCamera& camera, const std::string& name) {
   if (image.cols == camera.width && image.rows == camera.height) return;
-  throw UsageError(fmt::format("{}: {} x {} pixels where the camera has {} x {}", name, image.cols,
-                               image.rows, camera.width, camera.height));
+  throw UsageError(fmt::format("{}: {} x {} pixels where the camera has {} x {}; {}", name, image.cols,
+                               image.rows, camera.width, camera.height,
+                               size_remedy(image, camera, name == "depth")));
 }
 
 constexpr float kMaxDepthM = 1e4F;

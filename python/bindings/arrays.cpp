@@ -33,8 +33,30 @@ bool is_of(const py::array& array) {
   return py::isinstance<py::array_t<T>>(array);
 }
 
-[[noreturn]] void refuse(const char* name, const char* expected, const py::array& array) {
-  throw UsageError(fmt::format("{}: expected {}, got {}", name, expected, describe_array(array)));
+/// How the usual arrays of colour become uint8 of shape (height, width, 3); empty for others.
+std::string color_remedy(const py::array& array, const std::string& name) {
+  const bool grey = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
+  if (array.dtype().kind() == 'f')
+    return fmt::format("; for values of 0 to 1: (255 * {}).astype(np.uint8)", name);
+  if (!is_of<uint8_t>(array)) return fmt::format("; for values of 0 to 255: {}.astype(np.uint8)", name);
+  if (grey) return fmt::format("; of a grey image: np.dstack([{0}, {0}, {0}])", name);
+  if (array.ndim() == 3 && array.shape(2) == 4)
+    return fmt::format("; without its fourth channel: {}[:, :, :3]", name);
+  return "";
+}
+
+/// Same for depth.
+std::string depth_remedy(const py::array& array, const std::string& name) {
+  if (array.ndim() == 3) return fmt::format("; its first channel: {}[:, :, 0]", name);
+  if (array.dtype().kind() == 'f') return fmt::format("; in metres: {}.astype(np.float32)", name);
+  if (array.dtype().kind() == 'i' || array.dtype().kind() == 'u')
+    return fmt::format("; in units of depth_scale: {}.astype(np.uint16)", name);
+  return "";
+}
+
+[[noreturn]] void refuse(const char* name, const char* expected, const py::array& array,
+                         const std::string& remedy) {
+  throw UsageError(fmt::format("{}: expected {}, got {}{}", name, expected, describe_array(array), remedy));
 }
 
 /// Rows of aligned pixels of one element at positive strides, as OpenCV has them; other layouts are copied
@@ -89,7 +111,7 @@ std::string describe_array(const py::array& array) {
 
 ArrayImage rgb_image(const py::array& rgb, const char* name) {
   if (!is_of<uint8_t>(rgb) || rgb.ndim() != 3 || rgb.shape(2) != 3)
-    refuse(name, "uint8 of shape (height, width, 3), red first", rgb);
+    refuse(name, "uint8 of shape (height, width, 3), red first", rgb, color_remedy(rgb, name));
   const auto* data = static_cast<const uint8_t*>(rgb.data());
   const bool reversed = rgb.strides(2) == -1 && rgb.strides(1) == 3 && rgb.strides(0) >= 3 * rgb.shape(1);
   if (reversed) return {mat_over(rgb, CV_8UC3, data - 2), true};
@@ -106,7 +128,8 @@ cv::Mat depth_image(const py::array& depth, const char* name) {
   if (is_of<double>(depth)) type = CV_64FC1;
   if (is_of<uint16_t>(depth)) type = CV_16UC1;
   if (type < 0 || depth.ndim() != 2)
-    refuse(name, "float32 (metres) or uint16 (units) of shape (height, width)", depth);
+    refuse(name, "float32 (metres) or uint16 (units) of shape (height, width)", depth,
+           depth_remedy(depth, name));
   const py::array rows = with_rows(depth);
   const cv::Mat image = mat_over(rows, type, rows.data());
   return rows.is(depth) ? image : image.clone();
@@ -118,7 +141,8 @@ cv::Mat gray_image(const py::array& image, const char* name) {
     return mat_over(rows, CV_8UC1, rows.data()).clone();
   }
   if (!is_of<uint8_t>(image) || image.ndim() != 3 || image.shape(2) != 3)
-    refuse(name, "uint8 of shape (height, width, 3), red first, or (height, width)", image);
+    refuse(name, "uint8 of shape (height, width, 3), red first, or (height, width)", image,
+           color_remedy(image, name));
   const ArrayImage color = rgb_image(image, name);
   cv::Mat gray;
   cv::cvtColor(color.pixels, gray, color.bgr ? cv::COLOR_BGR2GRAY : cv::COLOR_RGB2GRAY);

@@ -148,6 +148,28 @@ def test_depth_that_cannot_be_shared_is_copied(sequence, copy):
         np.testing.assert_array_equal(poses(convert), expected, convert.__name__)
 
 
+@pytest.mark.parametrize("argument, spoil", [
+    ("rgb", lambda rgb: rgb[:, :, 0]),
+    ("rgb", lambda rgb: rgb[:, :, :1]),
+    ("rgb", lambda rgb: np.dstack([rgb, rgb[:, :, 0]])),
+    ("rgb", lambda rgb: rgb / 255),
+    ("rgb", lambda rgb: rgb.astype(np.int64)),
+    ("depth", lambda depth: np.dstack([depth])),
+    ("depth", lambda depth: depth.astype(np.float16)),
+    ("depth", lambda depth: (5000 * depth).astype(np.int32)),
+])
+def test_what_an_error_advises_for_an_array_helps(sequence, argument, spoil):
+    source = kinloop.open(sequence)
+    frame = next(source)
+    arrays = {"rgb": frame.rgb, "depth": frame.depth_m}
+    arrays[argument] = spoil(arrays[argument])
+    with pytest.raises(kinloop.UsageError) as error:
+        kinloop.Slam(source.camera).process(0, **arrays)
+    code = str(error.value).rsplit("; ", 1)[1].split(": ", 1)[1]
+    arrays[argument] = eval(code, {"np": np}, arrays)
+    assert kinloop.Slam(source.camera).process(0, **arrays) is not None
+
+
 def test_bad_arrays_are_named(sequence):
     source = kinloop.open(sequence)
     frame = next(source)
@@ -159,6 +181,10 @@ def test_bad_arrays_are_named(sequence):
         slam.process(0, rgb, rgb[:, :, 0])
     with pytest.raises(kinloop.UsageError, match="rgb: 160 x 240 pixels where the camera has 320 x 240"):
         slam.process(0, rgb[:, :160], depth_m)
+    with pytest.raises(kinloop.UsageError, match="rgb: 240 x 320 pixels .*; an array has its height first"):
+        slam.process(0, np.swapaxes(rgb, 0, 1), depth_m)
+    with pytest.raises(kinloop.UsageError, match="depth: 160 x 120 pixels .*; register depth to colour"):
+        slam.process(0, rgb, depth_m[::2, ::2])
     with pytest.raises(kinloop.UsageError, match="stamp nan: expected seconds"):
         slam.process(float("nan"), rgb, depth_m)
     slam.process(1, rgb, depth_m)
