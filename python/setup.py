@@ -47,7 +47,8 @@ class CMakeBuild(build_ext):
 
     def build_extension(self, extension):
         build = pathlib.Path(os.environ.get("KINLOOP_BUILD_FOLDER", ROOT / "build" / "wheel"))
-        arguments = [f"-D{name}={value}" for name, value in OPTIONS.items()]
+        # What CMake remembers of another Python it would not look for again.
+        arguments = ["-U*Python3_*", "-UPYTHON_MODULE_*", *(f"-D{name}={value}" for name, value in OPTIONS.items())]
         arguments += pybind11_arguments() + shlex.split(os.environ.get("KINLOOP_CMAKE_ARGS", ""))
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         subprocess.run(["cmake", "-S", ROOT, "-B", build, *generator, *arguments], check=True)
