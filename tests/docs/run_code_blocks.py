@@ -34,6 +34,7 @@ SHORTER = [
 RUN_ELSEWHERE = [
     (r"\./demo\.sh|\./test\.sh|scripts/install_dependencies|cmake ", ".ci/run"),
     (r"scripts/build_packages|(sudo )?apt install|pip |podman |tar -xf|\S*/bin/kinloop", "hosted CI, the job packages"),
+    (r"RELEASE=|wget ", "by hand: no release is published yet"),
     (r"kinloop run kinect[12]", "tests of the drivers: it needs the camera"),
     (r"kinloop fetch", "Fetch.*: it needs the network"),
     (r"kinloop batch|scripts/update_figures|sbatch |kubectl |dask ", "tests/batch, with a stand-in for the program"),
