@@ -67,7 +67,8 @@ PoseCovariances pose_covariances(const FrameLog& log, const Map& map,
 /// of one component that are at most 3 s apart. Their covariance tells how far the camera may have gone
 /// meanwhile, given how it moves elsewhere in the log (see bridge_motion); where the standard deviation of
 /// the position exceeds `max_sigma_m` they are doubtful. Where it does not, a recognized place that no later
-/// frame has confirmed is confirmed if the prediction explains it. Frames before `first` are left as they are.
+/// frame has confirmed is confirmed if the prediction explains it. Frames before `first` are left as they
+/// are.
 FrameLog predict_unmeasured_frames(FrameLog log, size_t first, const Map& map, double max_sigma_m);
 
 }  // namespace kinloop
