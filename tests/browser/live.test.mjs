@@ -50,6 +50,12 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   assert.ok((await seen(other)).badge.includes('paused'));
 
   // The connection breaks: the page reconnects, keeps its data and receives only the rest.
+  const isQuiet = async () => {
+    const { bytes } = await seen(page);
+    await page.waitForTimeout(1000);
+    return (await seen(page)).bytes === bytes;
+  };
+  await until(isQuiet, 'all of the frames so far has arrived');
   const whole = await seen(page);
   await page.evaluate(() => window.kinloop.connection.socket.close());
   await until(() => page.evaluate(() => window.kinloop.connection.socket.readyState === WebSocket.OPEN), 'it reconnects');
