@@ -10,9 +10,8 @@
 namespace kinloop {
 namespace {
 
-// 1 sigma per metre of path: what odometry with the errors of a real camera leaves. Learned on simulated
-// rooms with seeds 110 to 139 (bench/learn_drift.py): 99 % of their motions over 4 to 16 m are as far off as
-// 99 % of such a normal distribution.
+// 1 sigma per metre of path, learned on simulated rooms with seeds 110 to 139 (docs/belief.md): 99 % of their
+// motions over 4 to 16 m are no farther off than 99 % of such a normal distribution.
 constexpr double kDriftPerMetre_m = 0.0085, kDriftPerMetre_rad = 0.0027;
 // 1 sigma of a relative pose that matched keypoints measure: their landmarks are off, and the time stamps.
 constexpr double kMeasured_m = 0.016, kMeasured_rad = 0.016;
