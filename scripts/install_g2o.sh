@@ -4,32 +4,19 @@
 # Usage: scripts/install_g2o.sh
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/install_folder.sh
 
 package="g2opy==2.3.0"  # g2o 2.3 with its Python package; BSD licence
 sha256="cba80e7e42b1cd410c125abe959409fbe03368261810049766b2b341f626e111"  # of its sources
-folder="build/g2o"
-stamp="$folder/fetched"
-
-if [[ "$(cat "$stamp" 2>/dev/null)" == "$sha256" ]]; then exit 0; fi
-mkdir -p build
-temporary="$(mktemp -d build/g2o.XXXXXX)"
-trap 'rm -rf "$temporary"' EXIT
 
 fetch() {  # whatever Python there is, since only the C++ sources are used
-  python3 -m venv "$temporary/venv" &&
-    "$temporary/venv/bin/pip" download --quiet --disable-pip-version-check --ignore-requires-python --no-deps \
-      --no-binary g2opy --dest "$temporary" "$package" &&
-    sha256sum --quiet --check - <<<"$sha256  $(echo "$temporary"/*.tar.gz)" &&
-    mkdir "$temporary/sources" &&
-    tar -xf "$temporary"/*.tar.gz -C "$temporary/sources" --strip-components 1
+  python3 -m venv "$1/venv" &&
+    "$1/venv/bin/pip" download --quiet --disable-pip-version-check --ignore-requires-python --no-deps \
+      --no-binary g2opy --dest "$1" "$package" &&
+    sha256sum --quiet --check - <<<"$sha256  $(echo "$1"/*.tar.gz)" &&
+    mkdir "$1/files" &&
+    tar -xf "$1"/*.tar.gz -C "$1/files" --strip-components 1
 }
 
-if ! fetch >"$temporary/log" 2>&1; then
-  echo "g2o could not be fetched from the Python package index; --solver g2o is left out." >&2
-  tail -n 1 "$temporary/log" >&2
-  exit 1
-fi
-rm -rf "$folder"
-mv "$temporary/sources" "$folder"
-echo "$sha256" >"$stamp"
-echo "Fetched the sources of g2o: $folder"
+install_folder build/g2o "$sha256" "the sources of g2o" \
+  "g2o could not be fetched from the Python package index; --solver g2o is left out."
