@@ -33,10 +33,6 @@ constexpr auto kJpegSignature = "\xff\xd8\xff"sv;
 constexpr auto kCutShort = "the file is truncated; copy it again"sv;
 constexpr auto kDamaged = "the file is damaged; copy it again"sv;
 
-bool is_any_tiff(std::string_view bytes) {
-  return is_tiff(bytes) || is_big_tiff(bytes);
-}
-
 bool is_webp(std::string_view bytes) {
   constexpr size_t kForm = 8;
   return bytes.starts_with("RIFF") && bytes.substr(std::min(kForm, bytes.size()), 4) == "WEBP";

@@ -21,6 +21,10 @@ inline bool is_big_tiff(std::string_view bytes) {
   return bytes.starts_with(std::string_view("II+\0", 4)) || bytes.starts_with(std::string_view("MM\0+", 4));
 }
 
+inline bool is_any_tiff(std::string_view bytes) {
+  return is_tiff(bytes) || is_big_tiff(bytes);
+}
+
 /// Throws InputError beyond the end.
 class TiffBytes {
  public:

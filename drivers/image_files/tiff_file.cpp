@@ -85,19 +85,21 @@ TiffFile open_tiff(TiffMemory& memory) {
   return file;
 }
 
-cv::Size color_tiff_size(std::string_view bytes) {
-  TiffMemory memory{bytes};
-  const TiffFile file = open_tiff(memory);
+cv::Size tiff_image_size(const TiffFile& file) {
   return checked_depth_size(tiff_value<uint32_t>(file, TIFFTAG_IMAGEWIDTH),
                             tiff_value<uint32_t>(file, TIFFTAG_IMAGELENGTH));
+}
+
+cv::Size color_tiff_size(std::string_view bytes) {
+  TiffMemory memory{bytes};
+  return tiff_image_size(open_tiff(memory));
 }
 
 cv::Mat decode_color_tiff(std::string_view bytes) {
   constexpr uint16_t kSixteen = 16;
   TiffMemory memory{bytes};
   const TiffFile file = open_tiff(memory);
-  const cv::Size size = checked_depth_size(tiff_value<uint32_t>(file, TIFFTAG_IMAGEWIDTH),
-                                           tiff_value<uint32_t>(file, TIFFTAG_IMAGELENGTH));
+  const cv::Size size = tiff_image_size(file);
   if (tiff_value<uint16_t>(file, TIFFTAG_SAMPLESPERPIXEL) == 1 &&
       tiff_value<uint16_t>(file, TIFFTAG_BITSPERSAMPLE) == kSixteen)
     return decode_tiff(bytes);

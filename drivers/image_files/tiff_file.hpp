@@ -31,6 +31,9 @@ Value tiff_value(const TiffFile& file, uint32_t tag) {
   return value;
 }
 
+/// Returns the size of the image. Throws InputError if it is impossible.
+cv::Size tiff_image_size(const TiffFile& file);
+
 /// Returns the size of the first image of a TIFF or BigTIFF file. Throws InputError.
 cv::Size color_tiff_size(std::string_view bytes);
 

@@ -14,10 +14,6 @@
 namespace kinloop {
 namespace {
 
-bool is_tiff_file(std::string_view bytes) {
-  return is_tiff(bytes) || is_big_tiff(bytes);
-}
-
 struct DepthFileFormat {
   bool (*is)(std::string_view bytes);
   cv::Size (*size)(std::string_view bytes);
@@ -26,7 +22,7 @@ struct DepthFileFormat {
 
 constexpr std::array kDepthFileFormats = {
     DepthFileFormat{is_exr, exr_size, decode_exr},
-    DepthFileFormat{is_tiff_file, tiff_size, decode_tiff},
+    DepthFileFormat{is_any_tiff, tiff_size, decode_tiff},
     DepthFileFormat{is_numpy, numpy_size, decode_numpy},
     DepthFileFormat{is_numpy_archive, numpy_archive_size, decode_numpy_archive},
     DepthFileFormat{is_opencv_yaml, opencv_yaml_size, decode_opencv_yaml},

@@ -14,20 +14,16 @@
 namespace kinloop {
 namespace {
 
-[[noreturn]] void reject_damaged() {
-  reject_damaged_tiff();
-}
-
 /// Throws if there is a second image that is not a smaller copy or a mask of the first.
 void require_single_page(const TiffFile& file) {
   constexpr uint32_t kNotPages = FILETYPE_REDUCEDIMAGE | FILETYPE_MASK;
   constexpr int kMostCopies = 16;
   for (int i = 0; TIFFLastDirectory(file.get()) == 0; ++i) {
-    if (TIFFReadDirectory(file.get()) == 0) reject_damaged();
+    if (TIFFReadDirectory(file.get()) == 0) reject_damaged_tiff();
     if (i == kMostCopies || (tiff_value<uint32_t>(file, TIFFTAG_SUBFILETYPE) & kNotPages) == 0)
       throw InputError("a TIFF of several pages; write each depth image to a file of its own");
   }
-  if (TIFFSetDirectory(file.get(), 0) == 0) reject_damaged();
+  if (TIFFSetDirectory(file.get(), 0) == 0) reject_damaged_tiff();
 }
 
 /// Throws unless libtiff reads the compression, with every pixel kept.
@@ -64,10 +60,9 @@ int tiff_pixel_type(const TiffFile& file) {
                   bits, channels));
 }
 
-/// An image without its pixels.
-cv::Size tiff_image_size(const TiffFile& file) {
-  const cv::Size size = checked_depth_size(tiff_value<uint32_t>(file, TIFFTAG_IMAGEWIDTH),
-                                           tiff_value<uint32_t>(file, TIFFTAG_IMAGELENGTH));
+/// The size of a depth image. Throws unless its pixels can be read.
+cv::Size depth_tiff_size(const TiffFile& file) {
+  const cv::Size size = tiff_image_size(file);
   static_cast<void>(tiff_pixel_type(file));
   require_known_compression(file);
   require_single_page(file);
@@ -83,7 +78,7 @@ void read_tiles(const TiffFile& file, cv::Mat& image) {
     for (int x = 0; x < image.cols; x += size.width) {
       const uint32_t index =
           TIFFComputeTile(file.get(), static_cast<uint32_t>(x), static_cast<uint32_t>(y), 0, 0);
-      if (TIFFReadEncodedTile(file.get(), index, tile.data, bytes) != bytes) reject_damaged();
+      if (TIFFReadEncodedTile(file.get(), index, tile.data, bytes) != bytes) reject_damaged_tiff();
       const cv::Rect inside = cv::Rect({x, y}, size) & cv::Rect({0, 0}, image.size());
       tile(cv::Rect({0, 0}, inside.size())).copyTo(image(inside));
     }
@@ -92,13 +87,13 @@ void read_tiles(const TiffFile& file, cv::Mat& image) {
 
 void read_strips(const TiffFile& file, cv::Mat& image) {
   const auto given = tiff_value<uint32_t>(file, TIFFTAG_ROWSPERSTRIP);
-  if (given == 0) reject_damaged();
+  if (given == 0) reject_damaged_tiff();
   const int rows = static_cast<int>(std::min(given, static_cast<uint32_t>(image.rows)));
   for (int y = 0; y < image.rows; y += rows) {
     cv::Mat strip = image.rowRange(y, std::min(y + rows, image.rows));
     const auto bytes = static_cast<tmsize_t>(strip.total() * strip.elemSize());
     const uint32_t index = TIFFComputeStrip(file.get(), static_cast<uint32_t>(y), 0);
-    if (TIFFReadEncodedStrip(file.get(), index, strip.data, bytes) != bytes) reject_damaged();
+    if (TIFFReadEncodedStrip(file.get(), index, strip.data, bytes) != bytes) reject_damaged_tiff();
   }
 }
 
@@ -106,13 +101,13 @@ void read_strips(const TiffFile& file, cv::Mat& image) {
 
 cv::Size tiff_size(std::string_view bytes) {
   TiffMemory memory{bytes};
-  return tiff_image_size(open_tiff(memory));
+  return depth_tiff_size(open_tiff(memory));
 }
 
 cv::Mat decode_tiff(std::string_view bytes) {
   TiffMemory memory{bytes};
   const TiffFile file = open_tiff(memory);
-  const cv::Size size = tiff_image_size(file);
+  const cv::Size size = depth_tiff_size(file);
   cv::Mat image(size, tiff_pixel_type(file));
   if (TIFFIsTiled(file.get()) != 0) {
     read_tiles(file, image);
