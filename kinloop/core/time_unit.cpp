@@ -94,6 +94,14 @@ std::optional<uint64_t> parse_whole(std::string_view digits) {
   return value;
 }
 
+std::optional<DecimalNumber> parse_decimal(std::string_view text) {
+  const size_t point = std::min(text.find('.'), text.size());
+  const auto whole = parse_whole(text.substr(0, point));
+  const std::string_view fraction = text.substr(std::min(point + 1, text.size()));
+  if (!whole || fraction.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+  return DecimalNumber{*whole, std::string(fraction)};
+}
+
 std::optional<std::vector<int64_t>> stamps_in(const TimeUnit& unit,
                                               const std::vector<DecimalNumber>& numbers) {
   std::vector<int64_t> stamps_ns;
@@ -122,11 +130,9 @@ std::optional<FoundTimes> times_of(const std::vector<DecimalNumber>& numbers) {
 std::optional<FoundTimes> times_not_in_seconds(const std::vector<std::string>& texts) {
   std::vector<DecimalNumber> numbers;
   for (const std::string& text : texts) {
-    const size_t point = std::min(text.find('.'), text.size());
-    const auto whole = parse_whole(std::string_view(text).substr(0, point));
-    const std::string fraction = point == text.size() ? "" : text.substr(point + 1);
-    if (!whole || fraction.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
-    numbers.push_back({*whole, fraction});
+    auto number = parse_decimal(text);
+    if (!number) return std::nullopt;
+    numbers.push_back(*std::move(number));
   }
   auto times = times_of(numbers);
   return times && times->unit.ns != kSecondsUnit.ns ? times : std::nullopt;

@@ -49,6 +49,9 @@ std::optional<std::vector<int64_t>> stamps_in(const TimeUnit& unit,
 /// Returns whether a number is a second of Unix time from 2001 to 2096.
 bool is_unix_second(uint64_t seconds);
 
+/// Parses digits with or without a point and more digits; nullopt for anything else.
+std::optional<DecimalNumber> parse_decimal(std::string_view text);
+
 /// Parses digits; nullopt for anything else.
 std::optional<uint64_t> parse_whole(std::string_view digits);
 

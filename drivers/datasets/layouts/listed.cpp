@@ -184,13 +184,9 @@ std::optional<FoundTimes> written_times(const std::vector<ListedPair>& pairs,
                                         std::string ListedPair::*written) {
   std::vector<DecimalNumber> numbers;
   for (const ListedPair& pair : pairs) {
-    const std::string& text = pair.*written;
-    const size_t point = std::min(text.find('.'), text.size());
-    const auto whole = parse_whole(std::string_view(text).substr(0, point));
-    if (!whole) return std::nullopt;
-    const std::string fraction = point == text.size() ? "" : text.substr(point + 1);
-    if (fraction.find('.') != std::string::npos) return std::nullopt;
-    numbers.push_back({*whole, fraction});
+    auto number = parse_decimal(pair.*written);
+    if (!number) return std::nullopt;
+    numbers.push_back(*std::move(number));
   }
   return times_of(numbers);
 }
