@@ -81,8 +81,8 @@ size_t parse_frame(const TextLine& line, const fs::path& file) {
   return static_cast<size_t>(*number);
 }
 
-/// The rows in the order of the video.
-std::vector<TextLine> rows_by_frame(const fs::path& file) {
+/// The rows in the order of the video, with their frames in it.
+std::vector<std::pair<size_t, TextLine>> rows_by_frame(const fs::path& file) {
   std::vector<std::pair<size_t, TextLine>> numbered;
   for (TextLine& line : read_csv(file)) {
     require_columns(line, file);
@@ -91,9 +91,7 @@ std::vector<TextLine> rows_by_frame(const fs::path& file) {
   }
   std::stable_sort(numbered.begin(), numbered.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<TextLine> rows;
-  for (auto& [frame, line] : numbered) rows.push_back(std::move(line));
-  return rows;
+  return numbered;
 }
 
 /// The lens of a frame, which newer versions of the app write.
@@ -123,10 +121,9 @@ RecordedSequence read_stray_scanner(const fs::path& folder) {
   sequence.video = folder / "rgb.mp4";
   const fs::path file = folder / "odometry.csv";
   std::vector<PinholeCamera> lenses;
-  for (const TextLine& line : rows_by_frame(file)) {
+  for (const auto& [video_frame, line] : rows_by_frame(file)) {
     const auto [stamp_ns, T_world_camera] = parse_odometry(line, file);
     const fs::path image = line.fields[1] + ".png";
-    const size_t video_frame = parse_frame(line, file);
     RecordedFrame frame{stamp_ns, stamp_ns, {}, {folder / "depth" / image}, {}, video_frame};
     const fs::path confidence = folder / "confidence" / image;
     std::error_code absent;

@@ -57,10 +57,8 @@ void keep_telling_numbers(std::vector<Numbers>& color, std::vector<Numbers>& dep
   for (size_t i = 0; i < count; ++i) color_tells[i] = !is_constant(color, i);
   for (size_t i = 0; i < depth_count; ++i) depth_tells[i] = !is_constant(depth, i);
   if (count == depth_count) {
-    for (size_t i = 0; i < count; ++i) {
-      const bool same = !color_tells[i] && !depth_tells[i];
-      color_tells[i] = depth_tells[i] = !same || count == 1;
-    }
+    for (size_t i = 0; i < count; ++i)
+      color_tells[i] = depth_tells[i] = color_tells[i] || depth_tells[i] || count == 1;
   }
   keep(color, count, [&](size_t i) { return color_tells[i]; });
   keep(depth, depth_count, [&](size_t i) { return depth_tells[i]; });
