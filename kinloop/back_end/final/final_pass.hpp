@@ -40,9 +40,9 @@ size_t erase_moved_landmarks(Map& map);
 
 /// Adds to the covariances of the final adjustment (by id, see FinalBundleAdjustment; empty: none) those of
 /// the drift. The errors of successive keyframes are correlated, which no residual of the adjustment shows,
-/// and so add up along the steps of odometry, until the camera sees
-/// again what it had left: that ties both visits together. Where no landmarks tie a part to what was before,
-/// a step alone tells how it lies there. Keyframes without a step, those of loaded maps, are exact.
+/// and so add up along the steps of odometry, until the camera sees again what it had left: that ties both
+/// visits together. Where no landmarks tie a part to what was before, a step alone tells how it lies there.
+/// Keyframes without a step, those of loaded maps, are exact.
 std::vector<Matrix6d> with_drift(std::vector<Matrix6d> covariance, const Map& map);
 
 // The covariances of all poses after the final adjustment.
