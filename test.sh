@@ -42,6 +42,14 @@ failed="$(count failures)"
 skipped="$(($(count skipped) + $(count disabled)))"
 passed="$(($(count tests) - failed - skipped))"
 
+# The output of each failed test again: the log is long, and what comes last is seen first.
+if [[ $failed -gt 0 ]]; then
+  printf '\nThe tests that failed:\n'
+  awk '/<testcase /{ is_failed = /status="fail"/ } /<\/testsuite>/{ exit } is_failed' "$junit" |
+    sed 's/&lt;/</g; s/&gt;/>/g; s/&quot;/"/g; s/&apos;/'"'"'/g; s/&amp;/\&/g' | tail -n 40
+  echo
+fi
+
 summary="$passed passed, $failed failed"
 if [[ $skipped -gt 0 ]]; then summary+=", $skipped skipped"; fi
 echo "$summary"
