@@ -39,18 +39,22 @@ async function checkTimeline(page) {
   await page.keyboard.press('Home');
   const { camera } = await seen(page);
   await page.keyboard.press('End');
-  assert.notDeepEqual((await seen(page)).camera, camera, 'the camera moves');
+  const hasMoved = async () => JSON.stringify((await seen(page)).camera) !== JSON.stringify(camera);
+  await until(hasMoved, 'the camera moves');
   await until(async () => (await paintedPixels(page, '#colorImage')) > 5000, 'the image of the nearest keyframe');
   await until(() => page.url().includes('#t='), 'the address is a link to the moment');
 }
 
 await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   const [out, file] = [join(folder, 'out'), join(folder, 'room.html')];
-  assert.equal(await kinloop('run', 'sim:room', '-q', '-o', out, ...FAST).ended, 0);
+  const run = kinloop('run', 'sim:room', '-q', '-o', out, ...FAST);
+  assert.equal(await run.ended, 0, run.text);
   const share = kinloop('share', out, '-o', file);
   assert.equal(await share.ended, 0, share.text);
   assert.ok(statSync(file).size < MOST_BYTES);
-  const points = Number(share.text.match(/(\d+) of \d+ points/)[1]);
+  const shown = share.text.match(/(\d+) of \d+ points/);
+  assert.ok(shown, share.text);
+  const points = Number(shown[1]);
 
   for (const [name, options] of Object.entries({
     light: { colorScheme: 'light' },
@@ -60,7 +64,7 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
     const { page, requests } = await openFile(open, file, options);
     await until(async () => (await seen(page)).points === points, 'all points are there');
     await until(() => paintedPixels(page, '#scene').then((painted) => painted > 20_000), 'and drawn');
-    assert.equal((await seen(page)).badge, 'saved');
+    await until(async () => (await seen(page)).badge === 'saved', 'the badge says that the map is a saved one');
     assert.equal(await page.title(), 'sim:room - kinloop');
     assert.equal(await page.isVisible('#run'), false, 'there is no run to pause');
     if (name === 'light') await checkMeasure(page);
@@ -73,8 +77,10 @@ await withBrowser(async ({ open, kinloop, folder, shoot }) => {
   }
 
   // The mesh, with its texture, in place of the cloud.
-  assert.equal(await kinloop('mesh', out, '-q', '--voxel', '0.04', '--texture', '512', '-o', join(out, 'mesh.glb')).ended, 0);
-  assert.equal(await kinloop('share', out, '-q', '--mesh', '-o', file).ended, 0);
+  const mesh = kinloop('mesh', out, '-q', '--voxel', '0.04', '--texture', '512', '-o', join(out, 'mesh.glb'));
+  assert.equal(await mesh.ended, 0, mesh.text);
+  const shareMesh = kinloop('share', out, '-q', '--mesh', '-o', file);
+  assert.equal(await shareMesh.ended, 0, shareMesh.text);
   const { page: solid } = await openFile(open, file);
   await until(() => solid.evaluate(() => window.kinloop.world.models.length === 1), 'the mesh is there');
   assert.equal((await seen(solid)).points, 0);
