@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "kinloop/belief/hand_motion.hpp"
 #include "kinloop/core/random.hpp"
 #include "kinloop/core/time.hpp"
 #include "kinloop/features/keypoint_measurements.hpp"
@@ -245,15 +246,13 @@ bool Tracker::continues_previous(const Frame& frame) const {
   return previous_ && state_.lost_frames == 0 && frame.stamp_ns - previous_->stamp_ns <= kMaxInterval_ns;
 }
 
-/// Whether a pose is farther from the predicted one than a hand moves a camera, on few landmarks. Where depth
-/// comes back, a jump may be right.
+/// Whether the motion of a hand does not explain a pose on few landmarks. Where depth comes back, a jump may
+/// be right.
 bool Tracker::jumps(const TrackedFrame& tracked, const Frame& frame) const {
   const auto sees_depth = [](const Frame& seen) { return seen.surfaces && has_depth(*seen.surfaces); };
   if (!sees_depth(frame) || !sees_depth(*previous_->frame)) return false;
-  const double interval_s = to_seconds(tracked.stamp_ns - previous_->stamp_ns);
-  const double off_m =
-      (tracked.T_reference_camera.translation - predict(tracked.stamp_ns).T.translation).norm();
-  return exceeds_hand_motion(off_m, interval_s, interval_s) && !is_confident(tracked, *frame.features);
+  return !is_explained(expected_view(tracked.stamp_ns), tracked.T_reference_camera) &&
+         !is_confident(tracked, *frame.features);
 }
 
 /// Whether surfaces contradict a pose found relative to the local map.
@@ -306,6 +305,12 @@ PredictedPose Tracker::predict(int64_t stamp_ns) const {
   PredictedPose predicted = motion_.predict(stamp_ns - previous_->stamp_ns);
   predicted.T = previous_->T_reference_camera * predicted.T;
   return predicted;
+}
+
+/// The predicted pose with the covariance that the motion of a hand gives it.
+PredictedView Tracker::expected_view(int64_t stamp_ns) const {
+  const double interval_s = to_seconds(stamp_ns - previous_->stamp_ns);
+  return {predict(stamp_ns).T, hand_motion_covariance(interval_s, interval_s)};
 }
 
 /// A map starts with a frame that has enough keypoints.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "kinloop/belief/reach.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/core/timings.hpp"
 #include "kinloop/tracking/front_end.hpp"
 #include "kinloop/tracking/keypoint_tracking.hpp"
@@ -107,6 +108,7 @@ class Tracker {
   [[nodiscard]] bool repeats_previous_image(const Frame& frame) const;
   [[nodiscard]] TrackedFrame repeat_previous(Frame frame) const;
   [[nodiscard]] PredictedPose predict(int64_t stamp_ns) const;
+  [[nodiscard]] PredictedView expected_view(int64_t stamp_ns) const;
   [[nodiscard]] std::optional<TrackedFrame> track_by_patches(const Frame& frame, const Sensor& sensor) const;
   [[nodiscard]] TrackedFrame track_by_keypoints(Frame frame, const TrackingContext& context) const;
   [[nodiscard]] TrackedFrame locate(const Frame& frame, const TrackingContext& context) const;

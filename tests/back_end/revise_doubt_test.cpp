@@ -19,10 +19,6 @@ class Doubt : public test::SteadyLog {
     for (size_t i = begin; i < end; ++i) log_[i].evidence.surfaces = {1600, 400, 0};
   }
 
-  void doubt(size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) kinloop::doubt(log_[i], DoubtCause::kUnknown);
-  }
-
   /// The indices of the doubtful frames.
   [[nodiscard]] std::vector<size_t> doubtful(size_t first = 0) const {
     std::vector<size_t> found;
@@ -52,6 +48,11 @@ TEST_F(Doubt, IsRaisedByAPoseThatJumps) {
   EXPECT_EQ(found, (std::vector<size_t>{89, 90, 91, 92}));
 }
 
+TEST_F(Doubt, IsRaisedByATurnThatNoHandMakes) {
+  log_[90].T_reference_camera.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(doubtful(), (std::vector<size_t>{89, 90, 91, 92}));
+}
+
 TEST_F(Doubt, IsNotRaisedAfterImagesThatRepeat) {
   for (size_t i = 80; i < 90; ++i) {
     log_[i].method = TrackingMethod::kRepeat;
@@ -71,16 +72,16 @@ TEST_F(Doubt, ReachesBackToWhereTheSurfacesBeganToContradict) {
   for (size_t i = 95; i < 100; ++i) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   const auto found = doubtful();
   ASSERT_FALSE(found.empty());
-  EXPECT_NEAR(static_cast<double>(found.front()), 60 - 15, 5);  // and half a second before it
-  EXPECT_NEAR(static_cast<double>(found.back()), 99 + 15, 5);
+  EXPECT_NEAR(static_cast<double>(found.front()), 60, 5);
+  EXPECT_EQ(found.back(), 99);
 }
 
 TEST_F(Doubt, ReachesTwoSeconds) {
   contradict(0, 180);
   for (const size_t i : {90, 91}) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   const auto found = doubtful();
-  EXPECT_EQ(found.front(), 30 - 15);  // doubt that lasts reaches half a second further
-  EXPECT_EQ(found.back(), 151 + 15);
+  EXPECT_EQ(found.front(), 30);
+  EXPECT_EQ(found.back(), 151);
 }
 
 TEST_F(Doubt, ReachesOverWhatMoves) {
@@ -100,29 +101,6 @@ TEST_F(Doubt, OfOneFrameStaysThere) {
 TEST_F(Doubt, DoesNotSpreadWhereTheViewAgrees) {
   for (size_t i = 90; i < 95; ++i) kinloop::doubt(log_[i], DoubtCause::kUnknown);
   EXPECT_EQ(doubtful().size(), 5);
-}
-
-TEST_F(Doubt, ThatLastsReachesHalfASecondFurther) {
-  doubt(60, 76);
-  const auto found = doubtful();
-  EXPECT_EQ(found.front(), 60 - 15);
-  EXPECT_EQ(found.back(), 75 + 15);
-}
-
-TEST_F(Doubt, ThatLastsCoversShortTrustInBetween) {
-  doubt(20, 36);
-  doubt(120, 136);  // 2.8 s later
-  EXPECT_EQ(doubtful().size(), 151 - 5);
-  for (size_t i = 120; i < 180; ++i) log_[i].stamp_ns += kNsPerSecond;
-  EXPECT_EQ(doubtful().size(), 2 * (15 + 16) + 15);
-}
-
-TEST_F(Doubt, ThatLastsDoesNotReachAnotherComponent) {
-  for (size_t i = 90; i < 180; ++i) log_[i].reference = KeyframeId{1};
-  doubt(70, 90);
-  const auto found = doubtful();
-  EXPECT_EQ(found.front(), 70 - 15);
-  EXPECT_EQ(found.back(), 89);
 }
 
 TEST_F(Doubt, DoesNotReachFramesOfEarlierSessions) {

@@ -2,25 +2,26 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <map>
 #include <span>
 #include <vector>
 
+#include "kinloop/belief/hand_motion.hpp"
+#include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/core/time.hpp"
-#include "kinloop/tracking/motion/motion_model.hpp"
 
 namespace kinloop {
 namespace {
 
-/// Whether the position is off the one that the velocity before predicts by more than a hand causes.
+/// Whether the motion before, as that of a hand, does not explain a pose.
 bool jumps(const LoggedFrame& before, const LoggedFrame& previous, const LoggedFrame& entry, const Map& map) {
   const double baseline_s = to_seconds(previous.stamp_ns - before.stamp_ns);
   const double interval_s = to_seconds(entry.stamp_ns - previous.stamp_ns);
   if (!(baseline_s > 0)) return false;
-  const Eigen::Vector3d p0 = before.world(map).translation, p1 = previous.world(map).translation,
-                        p2 = entry.world(map).translation;
-  const double off_m = (p2 - p1 - (p1 - p0) * interval_s / baseline_s).norm();
-  return exceeds_hand_motion(off_m, interval_s, baseline_s);
+  const SE3 T_before_previous = before.world(map).inverse() * previous.world(map);
+  const SE3 T_previous_expected = SE3::exp(interval_s / baseline_s * T_before_previous.log());
+  return !is_explained(
+      {previous.world(map) * T_previous_expected, hand_motion_covariance(interval_s, baseline_s)},
+      entry.world(map));
 }
 
 /// One of two poses that jump is wrong, and perhaps both are.
@@ -101,79 +102,11 @@ void extend_doubt(FrameLog& log, size_t first) {
   }
 }
 
-/// The frames from `begin` to before `end`.
-struct Interval {
-  size_t begin, end;
-};
-
-/// Returns the interval of each component: from its first frame to its last, with the lost ones that follow.
-std::map<uint32_t, Interval> intervals_of_components(const FrameLog& log, size_t first, const Map& map) {
-  std::map<uint32_t, Interval> intervals;
-  Interval* latest = nullptr;
-  for (size_t i = first; i < log.size(); ++i) {
-    if (!log[i].is_lost())
-      latest = &intervals.try_emplace(map.keyframe(log[i].reference).component, Interval{i, i}).first->second;
-    if (latest != nullptr) latest->end = i + 1;
-  }
-  return intervals;
-}
-
-int64_t interval_ns(const FrameLog& log, size_t from, size_t to) {
-  return log[to].stamp_ns - log[from].stamp_ns;
-}
-
-/// Joins intervals in ascending order between which at most `max_interval_ns` pass.
-std::vector<Interval> joined(const FrameLog& log, const std::vector<Interval>& intervals,
-                             int64_t max_interval_ns) {
-  std::vector<Interval> all;
-  for (const Interval& interval : intervals) {
-    if (all.empty() || interval_ns(log, all.back().end - 1, interval.begin) > max_interval_ns)
-      all.push_back(interval);
-    all.back().end = interval.end;
-  }
-  return all;
-}
-
-/// Returns the interval with the frames of `whole` around it that are no further than `reach_ns`.
-Interval widened(const FrameLog& log, const Interval& interval, const Interval& whole, int64_t reach_ns) {
-  Interval wide = interval;
-  while (wide.begin > whole.begin && interval_ns(log, wide.begin - 1, interval.begin) <= reach_ns)
-    --wide.begin;
-  while (wide.end < whole.end && interval_ns(log, interval.end - 1, wide.end) <= reach_ns) ++wide.end;
-  return wide;
-}
-
-/// Doubts the frames around doubt that lasts: its cause began before it was noticed and ended later, and a
-/// pose that agrees with the map for a moment in between may agree with what was mapped in doubt.
-void widen_doubt(FrameLog& log, size_t first, const Map& map) {
-  // Learned on disturbed runs in the rooms with people of seeds 101 to 104.
-  constexpr int64_t kMinLasting_ns = kNsPerSecond / 2, kMaxInterval_ns = kNsPerSecond / 2;
-  constexpr int64_t kReach_ns = kNsPerSecond / 2, kMinTrusted_ns = 3 * kNsPerSecond;
-  for (const auto& [component, whole] : intervals_of_components(log, first, map)) {
-    std::vector<Interval> lasting;
-    for (size_t i = whole.begin; i < whole.end; ++i) {
-      if (log[i].is_lost() || (log[i].is_doubtful() && is_tracked_in(component, log[i], map)))
-        lasting.push_back({i, i + 1});
-    }
-    lasting = joined(log, lasting, kMaxInterval_ns);
-    std::erase_if(lasting, [&](const Interval& interval) {
-      return interval_ns(log, interval.begin, interval.end - 1) < kMinLasting_ns;
-    });
-    for (const Interval& interval : joined(log, lasting, kMinTrusted_ns)) {
-      const Interval near = widened(log, interval, whole, kReach_ns);
-      for (size_t i = near.begin; i < near.end; ++i) {
-        if (is_tracked_in(component, log[i], map)) doubt(log[i], DoubtCause::kNeighbours);
-      }
-    }
-  }
-}
-
 }  // namespace
 
 FrameLog revise_doubt(FrameLog log, size_t first, const Map& map) {
   doubt_jumps(log, first, map);
   extend_doubt(log, first);
-  widen_doubt(log, first, map);
   return log;
 }
 

@@ -9,12 +9,10 @@ namespace kinloop {
 
 /// Returns the log with more doubtful frames; those before `first` are left as they are.
 ///
-/// - A pose is doubtful if it jumps: no hand moves a camera like that.
+/// - A pose is doubtful if it jumps: the motion of a hand does not explain it.
 /// - Doubt extends from doubtful and lost frames to their neighbours, up to 2 s away, for as long as much of
 ///   the view moves or contradicts the pose. A camera that begins to follow something that moves finds enough
 ///   that agrees; that it was not the room becomes clear later.
-/// - Doubt that lasts half a second reaches half a second further, and over less than three seconds of trust
-///   between two such intervals of a component.
 FrameLog revise_doubt(FrameLog log, size_t first, const Map& map);
 
 /// Returns since which frame, at most 2 s before frame `last`, much of what has not moved has contradicted

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "kinloop/belief/hand_motion.hpp"
 #include "kinloop/core/time.hpp"
 
 namespace kinloop {
@@ -20,9 +21,7 @@ constexpr double kDefaultSpeed_m_s = 0.5;  // 1 sigma of a handheld camera of un
 constexpr double kDefaultTurnRate_rad_s = 1.0;
 constexpr double kMaxAcceleration_m_s2 = 10;  // of a hand that holds a camera
 
-// Of the prior, learned on the simulated rooms 101 to 105 (docs/lab/measurements.md#the-motion-before). The
-// velocity is a random walk, whose variance grows by this per second.
-constexpr double kRandomWalk_m2_s3 = 1, kRandomWalk_rad2_s3 = 5;
+// Of the prior, learned on the simulated rooms 101 to 105 (docs/lab/measurements.md#the-motion-before).
 // The landmarks of two frames are not the same, and have been adjusted in between (1 sigma).
 constexpr double kMapNoise_m = 1e-3, kMapNoise_rad = 5e-4;
 // The frames share the errors of their landmarks, so that a pose is less certain than its keypoints say.
@@ -50,12 +49,6 @@ Vector6d per_axis(double translation, double rotation) {
 }
 
 }  // namespace
-
-bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s) {
-  // One pose that is 5 cm off is 10 cm off the line of its neighbours.
-  constexpr double kTolerance_m = 0.1;
-  return off_m > kTolerance_m + kMaxAcceleration_m_s2 * interval_s * std::max(interval_s, baseline_s);
-}
 
 Velocity MotionModel::velocity_of(const SE3& T_previous_current, int64_t duration_ns) const {
   if (duration_ns < kMinVelocityInterval_ns) return velocity();
@@ -110,7 +103,7 @@ MotionModel::MotionCovariance MotionModel::predicted_covariance(double duration_
   transition.topLeftCorner<6, 6>() = SE3::exp(-duration_s * velocity().vector()).adjoint();
   transition.topRightCorner<6, 6>().diagonal().setConstant(duration_s);
   MotionCovariance covariance = transition * covariance_ * transition.transpose();
-  const Vector6d walk = per_axis(kRandomWalk_m2_s3, kRandomWalk_rad2_s3);
+  const Vector6d walk = hand_acceleration_noise();
   covariance.diagonal().head<6>() +=
       std::pow(duration_s, 3) / 3 * walk + per_axis(kMapNoise_m, kMapNoise_rad).cwiseAbs2();
   covariance.topRightCorner<6, 6>().diagonal() += duration_s * duration_s / 2 * walk;

@@ -17,11 +17,6 @@ struct PredictedPose {
   double sigma_rad = 0;
 };
 
-/// Returns whether a position is farther from the one that the velocity before predicts than a hand moves a
-/// camera: by more than 10 cm and 10 m/s^2. The velocity was measured over `baseline_s`, and predicts over
-/// `interval_s`.
-bool exceeds_hand_motion(double off_m, double interval_s, double baseline_s);
-
 /// Constant velocity in the camera frame, with acceleration noise estimated from recent motion.
 class MotionModel {
  public:
