@@ -112,10 +112,11 @@ CloudQuality cloud_quality(const ColoredCloud& cloud, const SimulatedSource& roo
 }
 
 /// Only reads and decodes every frame.
-void bench_decode(const std::string& sequence, const CameraOptions& camera) {
+void bench_decode(const std::string& sequence, const std::string& chosen, const CameraOptions& camera) {
   const Stopwatch watch;
   SourceRequest request;
   request.sequence = sequence;
+  request.chosen = chosen;
   set_camera(request, camera);
   request.threads = hardware_threads();
   const auto source = open_frame_source(request);
@@ -174,11 +175,12 @@ void add_bench_command(CLI::App& app) {
   bench->require_subcommand(1);
   add_cloud(*bench);
   CLI::App* decode = bench->add_subcommand("decode", "Only read and decode every frame, on one thread");
-  auto sequence = std::make_shared<std::string>();
+  auto sequence = std::make_shared<std::string>(), chosen = std::make_shared<std::string>();
   auto camera = std::make_shared<CameraOptions>();
   decode->add_option("SEQUENCE", *sequence, "a folder in TUM layout, or sim:room")->required();
+  add_sequence_option(*decode, *chosen);
   add_camera_options(*decode, *camera);
-  decode->callback([sequence, camera] { bench_decode(*sequence, *camera); });
+  decode->callback([sequence, chosen, camera] { bench_decode(*sequence, *chosen, *camera); });
 }
 
 }  // namespace kinloop

@@ -191,7 +191,7 @@ Examples:
 /// What the command reads, and the pictures that it writes.
 CommandFiles command_files(const ComparisonArguments& arguments) {
   CommandFiles files{.inputs = {arguments.request.other_image, arguments.request.camera.camera}};
-  add_sequence_input(files, arguments.request.input);
+  add_sequence_input(files, arguments.request.input, arguments.request.chosen);
   NamedResults pictures{{"-o", arguments.pictures}, {}};
   for (const char* detector : {"sift", "surf", "orb-opencv", "orb"}) {
     for (const char* step : {"all", "screened", "inliers"})
@@ -228,6 +228,7 @@ void add_features_command(CLI::App& app) {
   auto& request = arguments->request;
   command->add_option("input", request.input, "an image, a folder in TUM layout, or sim:room")->required();
   command->add_option("second", request.other_image, "a second image to compare with the first");
+  add_sequence_option(*command, request.chosen);
   add_camera_options(*command, request.camera);
   command->add_option("-o,--output", arguments->pictures,
                       "folder for pictures of the matches of one pair: all, screened, inliers");

@@ -17,6 +17,7 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/recorded_source.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
@@ -30,7 +31,7 @@ namespace {
 constexpr size_t kLookedAt = 30;  // frames that are decoded
 
 struct ProbeArguments {
-  std::string sequence;
+  std::string sequence, chosen;
   CameraOptions camera;
   bool print_camera = false;
 };
@@ -78,14 +79,16 @@ void take_frames(FrameSource& source, Probed& probed) {
 }
 
 OpenedSequence read_folder(const SourceRequest& request) {
-  OpenedSequence opened = read_sequence(request.sequence, request.camera, request.depth_scale);
+  OpenedSequence opened =
+      read_sequence(request.sequence, request.camera, request.depth_scale, request.chosen);
   if (request.sensor) opened.camera.sensor = depth_sensor(*request.sensor, SensorOrigin::kCameraFile);
   return opened;
 }
 
 /// Decodes frames spread over the sequence; of a video, which can only be read in order, the first.
 Probed probe_layout(const SourceRequest& request) {
-  const std::string& path = request.sequence;
+  const std::string path =
+      request.chosen.empty() ? request.sequence : sequence_folder(request.sequence, request.chosen).string();
   OpenedSequence opened = read_folder(request);
   RecordedSequence& sequence = opened.sequence;
   Probed probed;
@@ -257,6 +260,7 @@ void probe(const ProbeArguments& arguments) {
     throw UsageError("probe: a live camera cannot be probed; record it with kinloop record");
   SourceRequest request;
   request.sequence = arguments.sequence;
+  request.chosen = arguments.chosen;
   set_camera(request, arguments.camera);
   if (arguments.print_camera) return print_text(camera_file_text(camera_of(request)));
   print_probed(kind == SourceKind::kRecording ? probe_source(request) : probe_layout(request));
@@ -269,6 +273,7 @@ void add_probe_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("probe", "Say what a recording is: layout, camera, rates, depth, alignment");
   command->add_option("PATH", arguments->sequence, "a folder or file, as for kinloop run")->required();
+  add_sequence_option(*command, arguments->chosen);
   add_camera_options(*command, arguments->camera);
   command->add_flag("--print-camera", arguments->print_camera,
                     "only print the camera of the recording, in the format of camera.yaml");

@@ -27,7 +27,7 @@ namespace kinloop {
 namespace {
 
 struct RecordArguments {
-  std::string source;
+  std::string source, chosen;
   std::filesystem::path output;
   CameraOptions camera;
   std::string topics;
@@ -41,6 +41,7 @@ struct RecordArguments {
 SourceRequest request_of(const RecordArguments& arguments) {
   SourceRequest request;
   request.sequence = arguments.source;
+  request.chosen = arguments.chosen;
   set_camera(request, arguments.camera);
   if (!arguments.topics.empty()) request.topics = arguments.topics;
   request.kinect = with_assignments(KinectOptions{}, arguments.assignments);
@@ -52,7 +53,7 @@ SourceRequest request_of(const RecordArguments& arguments) {
 /// What the command reads, and the recording that it writes.
 CommandFiles command_files(const RecordArguments& arguments) {
   CommandFiles files{.inputs = {arguments.camera.camera}};
-  add_sequence_input(files, arguments.source);
+  add_sequence_input(files, arguments.source, arguments.chosen);
   if (arguments.output.extension() == ".mcap") {
     files.outputs = {{"-o", arguments.output}};
   } else {
@@ -130,6 +131,7 @@ void add_record_command(CLI::App& app) {
                    "kinect1, kinect2, openni2, realsense, orbbec, oak, or any other source of kinloop run")
       ->required();
   command->add_option("-o,--output", arguments->output, "folder for the sequence, or FILE.mcap")->required();
+  add_sequence_option(*command, arguments->chosen);
   add_camera_options(*command, arguments->camera);
   command->add_option("--topics", arguments->topics, "topics of a bag: COLOR,DEPTH[,CAMERA_INFO]");
   command->add_option("--frames", arguments->frames, "stop after this many frames");

@@ -17,7 +17,7 @@
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
 #include "drivers/datasets/camera_selection.hpp"
-#include "drivers/datasets/sequence_layout.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/io/run_folder.hpp"
@@ -47,9 +47,9 @@ CommandFiles command_files(const RunArguments& arguments) {
   CommandFiles files{.inputs = {camera.camera, source.mask, settings.vocabulary, map},
                      .outputs = {{"--trajectory", arguments.trajectory}, {"--save-map", arguments.save_map}},
                      .results = {{{"-o", arguments.output}, run_file_names()}}};
-  add_sequence_input(files, source.sequence);
+  add_sequence_input(files, source.sequence, source.chosen);
   if (camera.camera.empty() && camera.intrinsics.empty()) {
-    for (auto& above : cameras_above(sequence_folder(source.sequence)))
+    for (auto& above : cameras_above(sequence_folder(source.sequence, source.chosen)))
       files.inputs.push_back(std::move(above));
   }
   if (is_file_target(arguments.poses_to)) files.outputs.push_back({"--poses-to", arguments.poses_to});

@@ -119,6 +119,7 @@ OpenPairs open_pairs(const PairsRequest& request) {
   }
   SourceRequest sequence;
   sequence.sequence = request.input;
+  sequence.chosen = request.chosen;
   set_camera(sequence, request.camera);
   pairs.source = open_frame_source(sequence);
   pairs.camera = pairs.source->camera().color;

@@ -22,6 +22,7 @@ namespace kinloop {
 struct PairsRequest {
   std::string input;        ///< an image file, a folder in TUM layout or sim:room
   std::string other_image;  ///< a second image file; empty: none
+  std::string chosen;       ///< of several sequences in the folder, as for kinloop run
   CameraOptions camera;     ///< of a sequence, as for kinloop run
   size_t pairs = 8;         ///< of frames, for each seed
   size_t gap = 10;          ///< frames between the two images of a pair

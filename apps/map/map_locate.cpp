@@ -20,7 +20,7 @@ namespace kinloop {
 namespace {
 
 struct LocateArguments {
-  std::string sequence;
+  std::string sequence, chosen;
   std::vector<std::filesystem::path> maps;
   CameraOptions camera;
   std::string vocabulary;
@@ -82,6 +82,7 @@ std::string line_of(const LoggedFrame& frame, const Library& library) {
 void locate(const LocateArguments& arguments) {
   SourceRequest request;
   request.sequence = arguments.sequence;
+  request.chosen = arguments.chosen;
   request.threads = hardware_threads();
   set_camera(request, arguments.camera);
   const auto source = open_frame_source(request);
@@ -113,6 +114,7 @@ void add_map_locate_command(CLI::App& map) {
   command->add_option("SEQUENCE", arguments->sequence, "as of kinloop run; three frames of a place or more")
       ->required();
   command->add_option("MAP", arguments->maps, "map files, or folders of runs")->required();
+  add_sequence_option(*command, arguments->chosen);
   add_camera_options(*command, arguments->camera);
   command->add_option("--vocabulary", arguments->vocabulary, "visual vocabulary (default: built-in)");
   add_set_option(*command, arguments->assignments);

@@ -39,6 +39,7 @@ void add_map_arguments(CLI::App& command, RunArguments& arguments) {
 
 /// What the images are taken with, and which of them are used.
 void add_input_arguments(CLI::App& command, RunRequest& request) {
+  add_sequence_option(command, request.source.chosen);
   add_camera_options(command, request.camera);
   CLI::Option* camera = command.get_option("--camera");
   camera->description(camera->get_description() +

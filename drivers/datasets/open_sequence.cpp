@@ -5,6 +5,7 @@
 #include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "drivers/datasets/truth/truth.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/sensor/camera/possible_camera.hpp"
@@ -12,9 +13,9 @@
 namespace kinloop {
 OpenedSequence read_sequence(const std::filesystem::path& given_path,
                              const std::optional<CameraArgument>& camera_argument,
-                             std::optional<double> depth_scale) {
-  const std::filesystem::path path = sequence_folder(given_path);
-  if (path != given_path)
+                             std::optional<double> depth_scale, const std::string& name) {
+  const std::filesystem::path path = sequence_folder(given_path, name);
+  if (path != given_path && name.empty())
     log::info("{}: contains one sequence, {}, which is taken", given_path.string(), path.string());
   const SequenceLayout* layout = recognise_layout(path);
   if (layout == nullptr) reject_sequence(path, camera_argument.has_value());
@@ -31,10 +32,11 @@ OpenedSequence read_sequence(const std::filesystem::path& given_path,
 
 std::unique_ptr<FrameSource> open_sequence(const std::string& path,
                                            const std::optional<CameraArgument>& camera_argument,
-                                           std::optional<double> depth_scale) {
-  OpenedSequence opened = read_sequence(path, camera_argument, depth_scale);
-  tell_pairing(path, opened.sequence.pairing);
-  return std::make_unique<RecordedSource>(path, std::move(opened.sequence), opened.camera);
+                                           std::optional<double> depth_scale, const std::string& name) {
+  OpenedSequence opened = read_sequence(path, camera_argument, depth_scale, name);
+  const std::string full_name = name.empty() ? path : sequence_folder(path, name).string();
+  tell_pairing(full_name, opened.sequence.pairing);
+  return std::make_unique<RecordedSource>(full_name, std::move(opened.sequence), opened.camera);
 }
 
 }  // namespace kinloop

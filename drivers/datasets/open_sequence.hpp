@@ -19,14 +19,16 @@ struct OpenedSequence {
 };
 
 /// Reads the lists, poses and calibration of a recorded sequence, see camera_of_sequence for the camera.
-/// Throws InputError with the remedy if the path is in no known layout or has no camera.
+/// `name` chooses among the sequences below the path, see sequence_folder. Throws InputError with the remedy
+/// if the path is in no known layout or has no camera.
 OpenedSequence read_sequence(const std::filesystem::path& path,
                              const std::optional<CameraArgument>& camera_argument = {},
-                             std::optional<double> depth_scale = {});
+                             std::optional<double> depth_scale = {}, const std::string& name = {});
 
 /// Opens a sequence in any layout; `info().description` says which.
 std::unique_ptr<FrameSource> open_sequence(const std::string& path,
                                            const std::optional<CameraArgument>& camera_argument = {},
-                                           std::optional<double> depth_scale = {});
+                                           std::optional<double> depth_scale = {},
+                                           const std::string& name = {});
 
 }  // namespace kinloop

@@ -11,6 +11,7 @@
 #include "drivers/datasets/camera_files/camera_template.hpp"
 #include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/layouts/layouts.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/text/did_you_mean.hpp"
 
@@ -105,35 +106,6 @@ std::string advice_for_file(const fs::path& file) {
          "Kinect";
 }
 
-/// Names of a few sequences up to four folders below this one, of the nearest level that has any.
-std::vector<std::string> sequences_below(const fs::path& folder) {
-  constexpr size_t kMaxCount = 3, kMaxDepth = 4, kMaxFolders = 1000;
-  std::vector<std::string> found;
-  std::vector<fs::path> level = {folder};
-  size_t looked_at = 0;
-  for (size_t depth = 0; depth < kMaxDepth && found.empty(); ++depth) {
-    std::vector<fs::path> next;
-    for (const fs::path& above : level) {
-      const FolderContents contents(above);
-      for (const std::string& name : contents.folders()) {
-        if (name.starts_with('.') || found.size() == kMaxCount || ++looked_at > kMaxFolders) continue;
-        next.push_back(above / name);
-        if (recognise_layout(next.back()) != nullptr) found.push_back(next.back().string());
-      }
-    }
-    level = std::move(next);
-  }
-  return found;
-}
-
-bool is_incomplete_tum(const FolderContents& contents) {
-  return contents.has_file("rgb.txt") || contents.has_file("depth.txt");
-}
-
-bool is_run_folder(const FolderContents& contents) {
-  return contents.has_file("run.json") && contents.has_file("trajectory.txt");
-}
-
 /// The layout of another dataset, in the folder or one level below; empty if none is recognised.
 std::string foreign_layout_around(const fs::path& folder) {
   if (std::string layout = detect_dataset_layout(folder); !layout.empty()) return layout;
@@ -175,19 +147,18 @@ std::string description_of(const fs::path& folder) {
 
 }  // namespace
 
+bool is_incomplete_tum(const FolderContents& contents) {
+  return contents.has_file("rgb.txt") || contents.has_file("depth.txt");
+}
+
+bool is_run_folder(const FolderContents& contents) {
+  return contents.has_file("run.json") && contents.has_file("trajectory.txt");
+}
+
 bool has_tum_lists(const fs::path& folder) {
   std::error_code absent;
   return fs::exists(folder / "associations.txt", absent) ||
          (fs::exists(folder / "rgb.txt", absent) && fs::exists(folder / "depth.txt", absent));
-}
-
-fs::path sequence_folder(const fs::path& path) {
-  std::error_code absent;
-  if (!fs::is_directory(path, absent) || recognise_layout(path) != nullptr) return path;
-  const FolderContents contents(path);
-  if (is_incomplete_tum(contents) || is_run_folder(contents)) return path;
-  const auto below = sequences_below(path);
-  return below.size() == 1 ? fs::path(below.front()) : path;
 }
 
 void reject_sequence(const fs::path& path, bool camera_known) {
@@ -207,11 +178,7 @@ void reject_sequence(const fs::path& path, bool camera_known) {
     throw InputError(
         fmt::format("{}: the results of a run, not a sequence; open them with kinloop view {}", name, name));
   }
-  const auto below = sequences_below(path);
-  if (!below.empty()) {
-    throw InputError(fmt::format("{}: not a sequence, but it contains: {}; specify that folder", name,
-                                 fmt::join(below, ", ")));
-  }
+  reject_several_sequences(path);
   const std::string layout = foreign_layout_around(path);
   if (!layout.empty()) {
     throw InputErrorWithHint(fmt::format("{}: looks like {}, {}", name, layout, kCannotYet), hint);

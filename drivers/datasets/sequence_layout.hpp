@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "drivers/datasets/folder_contents.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
 
 namespace kinloop {
@@ -12,8 +13,11 @@ namespace kinloop {
 /// Returns whether the list of frames exists: associations.txt, or rgb.txt and depth.txt.
 bool has_tum_lists(const std::filesystem::path& folder);
 
-/// Returns the path, or the only sequence up to four folders below a folder that is none itself.
-std::filesystem::path sequence_folder(const std::filesystem::path& path);
+/// Returns whether one of these lists exists: a sequence in TUM layout, perhaps not a complete one.
+bool is_incomplete_tum(const FolderContents& contents);
+
+/// Returns whether a run has written its results there.
+bool is_run_folder(const FolderContents& contents);
 
 /// Throws InputError for a path in no known layout. The message says what it looks like (the layout
 /// of another dataset, a video, the results of a run, the parent folder of a sequence); the hint lists the

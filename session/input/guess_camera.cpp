@@ -10,6 +10,7 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/map/frames/frame_velocities.hpp"
 #include "kinloop/slam/slam.hpp"

@@ -25,6 +25,7 @@ struct CameraOptions {
 /// The source selected by the user.
 struct SourceRequest {
   std::string sequence;  ///< a folder, a recording in one file, sim:room, a camera or a stream
+  std::string chosen;  ///< which of several sequences in the folder, see sequence_folder; empty: the only one
   std::optional<CameraArgument> camera;
   bool guess_camera = false;          ///< instead of `camera`: by maps of the first frames, see guess_camera
   std::optional<double> depth_scale;  ///< units of the depth images per metre, of a folder or bag

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "drivers/datasets/layouts/layouts.hpp"
-#include "drivers/datasets/sequence_layout.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
@@ -220,11 +220,12 @@ void add_input(CommandFiles& files, const fs::path& file_or_folder) {
   }
 }
 
-void add_sequence_input(CommandFiles& files, const std::string& sequence) {
+void add_sequence_input(CommandFiles& files, const std::string& sequence, const std::string& chosen) {
   if (sequence == "-") {
     files.inputs.emplace_back("/dev/stdin");
-  } else if (source_kind(sequence) != SourceKind::kLive) {
-    const fs::path folder = sequence_folder(sequence);
+  } else if (const SourceKind kind = source_kind(sequence); kind != SourceKind::kLive) {
+    const fs::path folder =
+        kind == SourceKind::kFolder ? sequence_folder(sequence, chosen) : fs::path(sequence);
     if (!is_folder_of_results(folder)) files.recordings.push_back(folder);
   }
 }

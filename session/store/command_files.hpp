@@ -42,8 +42,8 @@ void require_outputs(const CommandFiles& files);
 void add_input(CommandFiles& files, const std::filesystem::path& file_or_folder);
 
 /// Adds what kinloop run would read of the sequence: a file, a folder or standard input; nothing of a camera,
-/// or of a folder that holds no sequence but the results of a run.
-void add_sequence_input(CommandFiles& files, const std::string& sequence);
+/// or of a folder that holds no sequence but the results of a run. `chosen` is as in SourceRequest.
+void add_sequence_input(CommandFiles& files, const std::string& sequence, const std::string& chosen = {});
 
 /// Returns the outputs that the same option names.
 std::vector<NamedOutput> outputs_of(const std::string& option,

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "drivers/datasets/folder_contents.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "tests/support/expect_error.hpp"
@@ -45,20 +46,20 @@ TEST(RejectSequence, LooksIntoTheFoldersBelow) {
   folder.write("chess/seq-01/frame-000000.color.png", "");
   folder.write("drive/05/image_2/000000.png", "");
   EXPECT_THAT(input_error([&] { reject_sequence(folder.path() / "chess", false); }),
-              AllOf(HasSubstr("not a sequence, but it contains: "), HasSubstr("chess/seq-01")));
+              HasSubstr("chess: contains 1 sequence; choose one: --sequence seq-01, or give its folder, "));
   EXPECT_THAT(input_error([&] { reject_sequence(folder.path() / "drive", false); }),
               HasSubstr("looks like KITTI (image_2/), in 05/, which kinloop cannot read"));
 }
 
-TEST(RejectSequence, FindsASequenceFourFoldersDownInOneLine) {
+TEST(RejectSequence, FindsASequenceFourFoldersDown) {
   const TempFolder folder;
   folder.write("a/b/c/seq-01/frame-000000.color.png", "");
   folder.write("a/notes.txt", "");
   folder.write("a/.cache/seq-02/frame-000000.color.png", "");
   EXPECT_THAT(input_error([&] { reject_sequence(folder.path(), false); }),
-              AllOf(HasSubstr("not a sequence, but it contains: "), HasSubstr("a/b/c/seq-01; specify"),
+              AllOf(HasSubstr("contains 1 sequence; choose one: --sequence a/b/c/seq-01, "),
                     Not(HasSubstr("seq-02"))));
-  EXPECT_THAT(hint_of(folder.path(), false), IsEmpty());
+  EXPECT_EQ(hint_of(folder.path(), false), "Sequences:\n  a/b/c/seq-01  (7-Scenes)\n");
 }
 
 TEST(SequenceFolder, IsTheOnlyOneBelowUnlessThereIsAnother) {
@@ -66,13 +67,38 @@ TEST(SequenceFolder, IsTheOnlyOneBelowUnlessThereIsAnother) {
   folder.write("a/b/seq-01/frame-000000.color.png", "");
   EXPECT_EQ(sequence_folder(folder.path()), folder.path() / "a/b/seq-01");
   EXPECT_EQ(sequence_folder(folder.path() / "a/b/seq-01"), folder.path() / "a/b/seq-01");
-  folder.write("a/b/seq-02/frame-000000.color.png", "");
+  folder.write("a/seq-02/frame-000000.color.png", "");  // on another level
   EXPECT_EQ(sequence_folder(folder.path()), folder.path());
   EXPECT_EQ(sequence_folder(folder.path() / "absent"), folder.path() / "absent");
   folder.write("run/run.json", "{}");
   folder.write("run/trajectory.txt", "");
   folder.write("run/images/seq/frame-000000.color.png", "");
   EXPECT_EQ(sequence_folder(folder.path() / "run"), folder.path() / "run");
+}
+
+TEST(SequenceFolder, IsTheOneThatIsChosen) {
+  const TempFolder folder;
+  folder.write("rooms/a/frame-000000.color.png", "");
+  folder.write("b/frame-000000.color.png", "");
+  folder.write("b/later/frame-000000.color.png", "");  // within another, which is chosen by name only
+  EXPECT_EQ(sequence_folder(folder.path(), "rooms/a"), folder.path() / "rooms/a");
+  EXPECT_EQ(sequence_folder(folder.path(), "./b"), folder.path() / "b");
+  EXPECT_EQ(sequence_folder(folder.path() / "b", "later"), folder.path() / "b/later");
+  EXPECT_THAT(input_error([&] { sequence_folder(folder.path(), "rooms/b"); }),
+              HasSubstr(": contains 2 sequences, but no 'rooms/b'; did you mean 'rooms/a'?"));
+  EXPECT_THAT(input_error([&] { sequence_folder(folder.path() / "rooms", "../b"); }), HasSubstr("no '../b'"));
+  EXPECT_THAT(input_error([&] { sequence_folder(folder.path() / "absent", "a"); }),
+              HasSubstr("no sequence a in it"));
+}
+
+TEST(SequencesBelow, AreCountedUpToALimit) {
+  const TempFolder folder;
+  for (int i = 0; i < 1001; ++i) std::filesystem::create_directory(folder.path() / std::to_string(i));
+  folder.write("1/frame-000000.color.png", "");
+  EXPECT_FALSE(sequences_below(folder.path()).complete);
+  EXPECT_EQ(sequence_folder(folder.path()), folder.path());  // not known to be the only one
+  EXPECT_THAT(input_error([&] { reject_sequence(folder.path(), false); }),
+              HasSubstr("contains at least 1 sequence; choose one"));
 }
 
 TEST(RejectSequence, AllThatIsMissingIsInOneAnswer) {

@@ -93,6 +93,14 @@ void add_camera_options(CLI::App& command, CameraOptions& camera) {
       ->check(one_of(names_of<DepthSensorModel>()));
 }
 
+void add_sequence_option(CLI::App& command, std::string& chosen) {
+  command
+      .add_option("--sequence", chosen,
+                  "which sequence of a folder that contains several, by its path in that folder; without it\n"
+                  "they are listed")
+      ->option_text("NAME");
+}
+
 CLI::Validator whole_number(int low, int high) {
   return in_range(low, high, "a whole number");
 }

@@ -30,6 +30,9 @@ void add_up_option(CLI::App& command, std::vector<std::string>& assignments);
 /// --camera FILE, --intrinsics fx,fy,cx,cy, --depth-scale UNITS_PER_M and --sensor NAME of a source.
 void add_camera_options(CLI::App& command, CameraOptions& camera);
 
+/// --sequence NAME: which of the sequences in a folder.
+void add_sequence_option(CLI::App& command, std::string& chosen);
+
 /// --threads N.
 void add_threads_option(CLI::App& command, int& threads, const std::string& what = "number of threads");
 
