@@ -14,6 +14,7 @@
 #include "apps/shared/files/download.hpp"
 #include "apps/shared/terminal/progress_bar.hpp"
 #include "apps/shared/terminal/standard_output.hpp"
+#include "drivers/archives/unpack_archive.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/output_file.hpp"
 #include "kinloop/core/files/writable_check.hpp"
@@ -83,13 +84,15 @@ std::vector<fs::path> download_archives(const FetchPlan& plan, const FetchArgume
 }
 
 fs::path unpack_beside(const std::vector<fs::path>& archives, const fs::path& target) {
+  constexpr uint64_t kMaxBytes = uint64_t{64}
+                                 << 30;  // scenes of OpenLORIS, the largest known, have some 30 GB
   fs::path beside = target.string() + ".part";
   for (const fs::path& archive : archives) {
     if (archive.extension() == ".sens") {  // the recording itself
       fs::create_directories(beside);
       fs::rename(archive, beside / archive.filename());
     } else {
-      unpack(archive, beside);
+      unpack_archive(archive, beside, {kMaxBytes, "unpacks to more than any sequence has; not unpacked"});
     }
   }
   return beside;

@@ -17,7 +17,6 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/reading/lists/pair_images.hpp"
 #include "drivers/datasets/recorded_source.hpp"
-#include "drivers/datasets/sequences_below.hpp"
 #include "drivers/probe/sequence_statistics.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/log.hpp"
@@ -87,12 +86,10 @@ OpenedSequence read_folder(const SourceRequest& request) {
 
 /// Decodes frames spread over the sequence; of a video, which can only be read in order, the first.
 Probed probe_layout(const SourceRequest& request) {
-  const std::string path =
-      request.chosen.empty() ? request.sequence : sequence_folder(request.sequence, request.chosen).string();
   OpenedSequence opened = read_folder(request);
   RecordedSequence& sequence = opened.sequence;
   Probed probed;
-  probed.name = path;
+  probed.name = opened.name;
   probed.description = describe(sequence, opened.camera);
   probed.camera = opened.camera;
   probed.stamps_measured = sequence.stamps_measured;
@@ -109,7 +106,7 @@ Probed probe_layout(const SourceRequest& request) {
     for (size_t i = 0; i < sequence.frames.size(); i += step) some.push_back(sequence.frames[i]);
     sequence.frames = std::move(some);
   }
-  RecordedSource source(path, std::move(sequence), opened.camera);
+  RecordedSource source(opened.name, std::move(sequence), opened.camera);
   take_frames(source, probed);
   return probed;
 }

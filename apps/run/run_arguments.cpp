@@ -94,11 +94,11 @@ void add_run_arguments(CLI::App& command, RunArguments& arguments) {
   command.add_option(
       "SEQUENCE", arguments.request.source.sequence,
       "a folder in TUM layout (rgb.txt, depth.txt, ...) or that of another dataset or app (see\n"
-      "docs/recordings.md), a .sens file, a bag (.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of\n"
-      "ROS 2 or their folder), a .mkv of the Azure Kinect, a .oni of OpenNI, kinect1, kinect2,\n"
-      "openni2 (Xtion, Astra, Structure Core), realsense, orbbec or oak (live), frames from another\n"
-      "program (-: standard input, or unix:PATH: a socket), or sim:room, the simulated Kinect\n"
-      "(sim:room:7: another room)");
+      "docs/recordings.md), an archive of one (.zip, .r3d, .7z, .tar, .tgz, ...), a .sens file, a bag\n"
+      "(.bag of ROS 1 or the RealSense SDK, .mcap or .db3 of ROS 2 or their folder), a .mkv of the\n"
+      "Azure Kinect, a .oni of OpenNI, kinect1, kinect2, openni2 (Xtion, Astra, Structure Core),\n"
+      "realsense, orbbec or oak (live), frames from another program (-: standard input, or unix:PATH:\n"
+      "a socket), or sim:room, the simulated Kinect (sim:room:7: another room)");
   command.add_option("-o,--output", arguments.output, "folder for the results")->capture_default_str();
   add_input_arguments(command, arguments.request);
   command.add_option("--vocabulary", arguments.request.settings.vocabulary,

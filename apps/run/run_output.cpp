@@ -54,7 +54,7 @@ RunOutput::RunOutput(const RunArguments& arguments, const RunPlan& plan, Session
       frames_(!plan.source->info().ground_truth.empty()),
       depth_(plan.options.dense, plan.source->camera().depth_scale),
       saver_(saver_of(arguments, folder_,
-                      {session.slam(), session.recorder(), plan.options, arguments.request.source.sequence})),
+                      {session.slam(), session.recorder(), plan.options, plan.source->info().name})),
       outcome_{plan, session.slam()} {
   if (saver_ && !arguments.save_map.empty()) map_lock_.emplace(saver_->path());  // the folder is locked
   session.add_listener(frames_);

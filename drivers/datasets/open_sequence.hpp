@@ -8,6 +8,7 @@
 
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/recorded_sequence.hpp"
+#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
@@ -16,6 +17,7 @@ namespace kinloop {
 struct OpenedSequence {
   RecordedSequence sequence;
   RgbdCamera camera;
+  std::string name = {};  ///< as the user can give it again
 };
 
 /// Reads the lists, poses and calibration of a recorded sequence, see camera_of_sequence for the camera.
@@ -24,6 +26,11 @@ struct OpenedSequence {
 OpenedSequence read_sequence(const std::filesystem::path& path,
                              const std::optional<CameraArgument>& camera_argument = {},
                              std::optional<double> depth_scale = {}, const std::string& name = {});
+
+/// Same of a sequence that is located already.
+OpenedSequence read_located(const LocatedSequence& located,
+                            const std::optional<CameraArgument>& camera_argument = {},
+                            std::optional<double> depth_scale = {});
 
 /// Opens a sequence in any layout; `info().description` says which.
 std::unique_ptr<FrameSource> open_sequence(const std::string& path,

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "kinloop/sensor/source/frame_source.hpp"
 
 namespace kinloop {
+
+class UnpackedArchive;
 
 /// An encoded image: a file, or a part of one.
 struct ImageLocation {
@@ -66,8 +69,10 @@ struct RecordedSequence {
   std::vector<RecordedFrame> frames;  ///< in order of time
   SkippedFrames skipped;              ///< listed, but not usable
   Pairing pairing;
-  Trajectory ground_truth;       ///< of the colour camera; empty if there is none
-  bool truth_in_metres = true;   ///< false: in an arbitrary unit, as COLMAP has
+  Trajectory ground_truth;      ///< of the colour camera; empty if there is none
+  bool truth_in_metres = true;  ///< false: in an arbitrary unit, as COLMAP has
+  /// What keeps the files where they are, if they came out of an archive; else null.
+  std::shared_ptr<const UnpackedArchive> unpacked;
   std::string depth_unit_guess;  ///< for users: nobody states the unit of depth; empty: it is stated
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "drivers/archives/unpacked_archive.hpp"
 #include "drivers/datasets/reading/images/depth_image.hpp"
 #include "drivers/datasets/reading/images/image_bytes.hpp"
 #include "drivers/datasets/reading/lists/frame_masks.hpp"
@@ -77,7 +78,7 @@ void RecordedSource::require_expected_format() const {
       static_cast<void>(read_images(files));
       return tell_kept_bits(files);
     } catch (const ImageFormatError& error) {
-      if (wrong == 0) first = error.what();
+      if (wrong == 0) first = shown(error);
       if (++wrong == kFormatCheckFrames) throw InputError(first);
     } catch (const InputError&) {
       continue;  // next() counts it
@@ -115,8 +116,8 @@ std::optional<Frame> RecordedSource::next() {
       throw;  // not damage: without its mask the frame would be used differently than meant
     } catch (const InputError& error) {
       const bool in_video = video_ != nullptr;
-      if (first_failure_.empty()) first_failure_ = error.what();
-      skipped.add({(in_video ? files.depth : files.color).file.filename().string(), error.what()});
+      if (first_failure_.empty()) first_failure_ = shown(error);
+      skipped.add({(in_video ? files.depth : files.color).file.filename().string(), shown(error)});
     }
   }
   if (next_id_ == 0) {
@@ -125,6 +126,10 @@ std::optional<Frame> RecordedSource::next() {
                                  info_.frames, first_failure_));
   }
   return std::nullopt;
+}
+
+std::string RecordedSource::shown(const std::exception& error) const {
+  return sequence_.unpacked ? sequence_.unpacked->shown(error.what()) : error.what();
 }
 
 bool RecordedSource::pass_over() {

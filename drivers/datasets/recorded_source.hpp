@@ -39,6 +39,8 @@ class RecordedSource : public FrameSource, public PassableSource, public Guessed
   /// Says if colour has more bits than are used, and warns if it would become nearly black.
   void tell_kept_bits(const RecordedFrame& files) const;
   [[nodiscard]] Frame read_images(const RecordedFrame& files) const;
+  /// The message of an error, with paths as they are in the archive, if the sequence is in one.
+  [[nodiscard]] std::string shown(const std::exception& error) const;
 
   RgbdCamera camera_;
   RecordedSequence sequence_;

@@ -92,8 +92,7 @@ std::string advice_for_file(const fs::path& file) {
        "layout"},
       {{".klg", ".svo"},
        "a recording of another program, which kinloop cannot read yet; convert it to TUM layout"},
-      {{".r3d"}, "a zip archive of Record3D; unpack it with unzip and give the folder"},
-      {{".tgz", ".gz", ".tar", ".zip", ".7z", ".bz2", ".xz"}, "an archive; unpack it and give the folder"},
+      {{".gz", ".bz2", ".xz", ".zst", ".rar"}, "an archive; unpack it and give the folder"},
       {{".png", ".jpg", ".jpeg"}, "one image; give the folder of the sequence"},
       {{".txt", ".yaml"}, "a text file; give the folder of the sequence"},
   };

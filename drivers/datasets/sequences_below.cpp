@@ -8,6 +8,7 @@
 #include "drivers/datasets/layouts/layouts.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
 #include "kinloop/core/errors.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/text/did_you_mean.hpp"
 
 namespace kinloop {
@@ -83,6 +84,7 @@ SequencesBelow sequences_below(const fs::path& folder) {
 }
 
 fs::path sequence_folder(const fs::path& path, const std::string& name) {
+  if (const auto packed = archive_of(path)) return packed->archive;
   if (!name.empty()) {
     const fs::path chosen = (path / name).lexically_normal();
     if (is_outside(name) || recognise_layout(chosen) == nullptr) reject_name(path, name);
@@ -93,6 +95,24 @@ fs::path sequence_folder(const fs::path& path, const std::string& name) {
     return path;
   const SequencesBelow below = sequences_below(path);
   return below.complete && below.names.size() == 1 ? path / below.names.front() : path;
+}
+
+std::string LocatedSequence::shown(const std::string& message) const {
+  return unpacked ? unpacked->shown(message) : message;
+}
+
+LocatedSequence locate_sequence(const fs::path& path, const std::string& name) {
+  LocatedSequence located{name.empty() ? path.string() : (path / name).string(), path, {}, nullptr};
+  if (const auto packed = archive_of(path)) {
+    located.unpacked = std::make_shared<const UnpackedArchive>(packed->archive);
+    located.top = located.unpacked->folder();
+    if (!packed->inside.empty()) located.top /= packed->inside;
+  }
+  located.folder = with_shown_paths(located, [&] { return sequence_folder(located.top, name); });
+  if (name.empty() && located.folder != located.top)
+    log::info("{}: contains one sequence, {}, which is taken", path.string(),
+              located.shown(located.folder.string()));
+  return located;
 }
 
 void reject_several_sequences(const fs::path& folder) {

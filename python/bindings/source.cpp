@@ -158,8 +158,8 @@ another thread.)")
              py::arg("topics") = py::none(), py::arg("threads") = 0, py::arg("options") = py::none(),
              R"(Opens a recording or a camera.
 
-sequence: whatever kinloop run takes: a folder in TUM layout or of another dataset, a bag, .mkv, .oni, kinect1, ...,
-  sim:room. camera: a Camera, a camera.yaml or a preset instead of the recording's. topics: of a bag,
+sequence: whatever kinloop run takes: a folder in TUM layout or of another dataset, an archive of one, a bag, .mkv, .oni,
+  kinect1, ..., sim:room. camera: a Camera, a camera.yaml or a preset instead of the recording's. topics: of a bag,
   "COLOR,DEPTH[,CAMERA_INFO]".
 options: kinect.* and sim.* of kinloop run --set: kinloop.open("sim:room", sim={"frames": 100}).
 Returns a Source. Raises InputError or UsageError.)");

@@ -128,11 +128,12 @@ if(MPI_CXX_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_mpi)
 endif()
 
+kinloop_optional(archives archive.h archive)  # .zip, .tar and the like as input
+
 # Downloads: curl fetches, archive unpacks.
 find_package(CURL QUIET)
-find_package(LibArchive QUIET)
 set(download_FOUND 0)
-if(CURL_FOUND AND LibArchive_FOUND)
+if(CURL_FOUND AND archives_FOUND)
   set(download_FOUND 1)
 endif()
 

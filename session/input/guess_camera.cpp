@@ -10,7 +10,6 @@
 #include "drivers/datasets/open_sequence.hpp"
 #include "drivers/datasets/recorded_source.hpp"
 #include "drivers/datasets/sequence_layout.hpp"
-#include "drivers/datasets/sequences_below.hpp"
 #include "kinloop/core/log.hpp"
 #include "kinloop/map/frames/frame_velocities.hpp"
 #include "kinloop/slam/slam.hpp"
@@ -20,10 +19,9 @@ namespace kinloop {
 namespace {
 
 /// The estimate of a map of the first frames; nullopt if they give none.
-std::optional<FocalLengthEstimate> estimate_from_first_frames(const std::string& folder,
-                                                              const OpenedSequence& opened) {
+std::optional<FocalLengthEstimate> estimate_from_first_frames(const OpenedSequence& opened) {
   constexpr int kFrames = 300;
-  RecordedSource source(folder, opened.sequence, opened.camera);
+  RecordedSource source(opened.name, opened.sequence, opened.camera);
   SlamOptions options;
   options.loop.enabled = false;
   options.self_calibration.enabled = false;
@@ -51,20 +49,23 @@ double angle_deg(int side_px, double focal_px) {
 
 }  // namespace
 
-GuessedCamera guess_camera(const std::string& given_folder, std::optional<double> depth_scale) {
+GuessedCamera guess_camera(const std::string& path, std::optional<double> depth_scale,
+                           const std::string& name) {
   constexpr int kMostRounds = 6;
   constexpr double kConverged = 0.01, kMaxSigma = 0.02, kLargestStep = 0.25;
   constexpr double kShortest = 0.4, kLongest = 2.5;  // as a share of the width
-  const std::string folder = sequence_folder(given_folder).string();
-  const SequenceLayout* layout = recognise_layout(folder);
-  if (layout == nullptr) reject_sequence(folder, true);
+  const LocatedSequence located = locate_sequence(path, name);
   GuessedCamera guess;
-  guess.description = common_camera(layout->read(folder));
+  guess.description = with_shown_paths(located, [&] {
+    const SequenceLayout* layout = recognise_layout(located.folder);
+    if (layout == nullptr) reject_sequence(located.folder, true);
+    return common_camera(layout->read(located.folder));
+  });
   const PinholeCamera& lens = guess.description.camera.color;
-  OpenedSequence opened = read_sequence(folder, guess.description, depth_scale);
+  OpenedSequence opened = read_located(located, guess.description, depth_scale);
   while (guess.rounds < kMostRounds) {
     opened.camera.color.fx = lens.fx, opened.camera.color.fy = lens.fy;
-    const auto found = estimate_from_first_frames(folder, opened);
+    const auto found = estimate_from_first_frames(opened);
     ++guess.rounds;
     if (!found) return guess;
     const double factor =
@@ -79,8 +80,9 @@ GuessedCamera guess_camera(const std::string& given_folder, std::optional<double
   return guess;
 }
 
-CameraDescription guess_camera_aloud(const std::string& folder, std::optional<double> depth_scale) {
-  const GuessedCamera guess = guess_camera(folder, depth_scale);
+CameraDescription guess_camera_aloud(const std::string& path, std::optional<double> depth_scale,
+                                     const std::string& name) {
+  const GuessedCamera guess = guess_camera(path, depth_scale, name);
   const PinholeCamera& lens = guess.description.camera.color;
   const std::string known = guess.sigma > 0 ? fmt::format("+- {:.0f}", guess.sigma * lens.fx)
                                             : std::string("that of a common sensor");

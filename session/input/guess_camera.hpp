@@ -18,11 +18,13 @@ struct GuessedCamera {
 };
 
 /// Begins with the focal length of a common sensor of the aspect of the images, and corrects it by a map of
-/// the first frames until it fits. `depth_scale` is as for open_sequence. Throws InputError if the folder is
-/// no sequence of images.
-GuessedCamera guess_camera(const std::string& folder, std::optional<double> depth_scale);
+/// the first frames until it fits. The arguments are as for open_sequence. Throws InputError if there is no
+/// sequence of images.
+GuessedCamera guess_camera(const std::string& path, std::optional<double> depth_scale,
+                           const std::string& name = {});
 
 /// The same, and says in an info line, or a warning if it is not certain, what was found.
-CameraDescription guess_camera_aloud(const std::string& folder, std::optional<double> depth_scale);
+CameraDescription guess_camera_aloud(const std::string& path, std::optional<double> depth_scale,
+                                     const std::string& name = {});
 
 }  // namespace kinloop

@@ -11,7 +11,6 @@
 #include "drivers/azure/azure_source.hpp"
 #include "drivers/datasets/camera_selection.hpp"
 #include "drivers/datasets/open_sequence.hpp"
-#include "drivers/datasets/sequences_below.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/oak/oak_source.hpp"
@@ -98,10 +97,8 @@ Source open_program(const SourceRequest& request) {
 
 Source open_folder(const SourceRequest& request) {
   auto camera = request.camera;
-  if (request.guess_camera) {
-    const auto folder = sequence_folder(request.sequence, request.chosen);
-    camera = guess_camera_aloud(folder.string(), request.depth_scale);
-  }
+  if (request.guess_camera)
+    camera = guess_camera_aloud(request.sequence, request.depth_scale, request.chosen);
   return open_sequence(request.sequence, camera, request.depth_scale, request.chosen);
 }
 
@@ -138,8 +135,8 @@ Source open_as_recorded(const SourceRequest& request) {
     throw UsageError(
         "--camera guess: for folders of images; give the camera of other sources with --camera FILE");
   if (!request.chosen.empty() && family.kind != SourceKind::kFolder)
-    throw UsageError(
-        fmt::format("--sequence chooses among those of a folder, which {} is not", request.sequence));
+    throw UsageError(fmt::format("--sequence chooses among those of a folder or archive, which {} is not",
+                                 request.sequence));
   if (request.depth_scale && family.states_depth_unit)
     throw UsageError(
         fmt::format("--depth-scale is for folders of images and bags; {} states the unit of its depth",

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "drivers/archives/unpacked_archive.hpp"
 #include "kinloop/core/errors.hpp"
 #include "session/source/open_frame_source.hpp"
 
@@ -52,7 +53,7 @@ TrajectoryFile open_estimate(const fs::path& path) {
 }
 
 TrajectoryFile open_ground_truth(const fs::path& path) {
-  if (!is_folder(path)) return read_trajectory_file(path);
+  if (!is_folder(path) && !archive_of(path)) return read_trajectory_file(path);
   if (const auto file = first_in(path, kEurocTruths)) return read_trajectory_file(*file);
   const auto file = first_in(path, std::array{kTruth});
   if (file && fs::exists(path / "run.json")) return read_trajectory_file(*file);

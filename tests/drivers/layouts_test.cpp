@@ -430,7 +430,7 @@ TEST(SevenScenes, DepthOfTheOriginalIsToBeRegistered) {
   const Sample sample = make_sample(2, {640, 480});
   const Written written(writer_of("7-Scenes"), sample);
   fs::remove(written.path() / "camera-intrinsics.txt");
-  const auto [sequence, camera] = written.read();
+  const auto [sequence, camera, name] = written.read();
   ASSERT_TRUE(camera.depth);
   EXPECT_EQ(camera.depth->fx, 585);
   EXPECT_EQ(camera.color.fx, 522.07);
@@ -443,7 +443,7 @@ TEST(SevenScenes, AFileOfAnotherNameHasTheCameraOfItsImages) {
   const Written written(writer_of("7-Scenes"), make_sample(2, {640, 480}));
   fs::remove(written.path() / "camera-intrinsics.txt");
   write_file(written.path() / "camera-intrinsics.color.txt", "500 0 320\n0 500 240\n0 0 1\n");
-  const auto [sequence, camera] = written.read();
+  const auto [sequence, camera, name] = written.read();
   EXPECT_FALSE(camera.depth);
   EXPECT_EQ(camera.color.fx, 500);
 }

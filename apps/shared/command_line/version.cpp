@@ -8,6 +8,7 @@
 #include "dense/mesh/simplify_mesh.hpp"
 #include "dense/mesh/tsdf_volume.hpp"
 #include "dense/occupancy.hpp"
+#include "drivers/archives/unpack_archive.hpp"
 #include "drivers/datasets/reading/images/video_reader.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
@@ -59,6 +60,7 @@ std::string version_text() {
       {"Python", KINLOOP_PYTHON_FOUND != 0, "import kinloop",
        "scripts/install_dependencies.sh --program --with Python, configure with -DKINLOOP_PYTHON=ON"},
       {"video", video_available(), "recordings of Stray Scanner and the Azure Kinect"},
+      {"archives", archives_available(), ".zip, .r3d and .tar as input"},
       {"downloads", download_available(), "kinloop fetch"},
       {"distributed training", mpi_available(), "kinloop vocab on several machines, by MPI"},
       {"meshes", tsdf_available(), "kinloop mesh"},

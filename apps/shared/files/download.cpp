@@ -9,8 +9,6 @@
 #include <cstdio>
 #include <memory>
 
-#include <archive.h>
-#include <archive_entry.h>
 #include <curl/curl.h>
 #include <unistd.h>
 
@@ -108,37 +106,6 @@ curl_off_t size_at(const std::string& url) {
   return size;
 }
 
-using Reader = std::unique_ptr<archive, decltype(&archive_read_free)>;
-using Writer = std::unique_ptr<archive, decltype(&archive_write_free)>;
-
-/// Checks libarchive's return code; a warning is not an error.
-void check_archive_result(int code, archive* a, const std::filesystem::path& file) {
-  if (code >= ARCHIVE_WARN) return;
-  const char* what = archive_error_string(a);
-  throw InputError(fmt::format("cannot unpack {}: {}; delete it and fetch it again", file.string(),
-                               what != nullptr ? what : "damaged"));
-}
-
-void require_room(const std::filesystem::path& file, la_int64_t bytes, uint64_t left) {
-  if (bytes <= 0 || static_cast<uint64_t>(bytes) <= left) return;
-  throw InputError(fmt::format("{}: unpacks to more than any sequence has; not unpacked", file.string()));
-}
-
-/// Copies the content of a file; counts its bytes against those that are `left`.
-void copy_data(archive* from, archive* to, const std::filesystem::path& file, uint64_t& left) {
-  const void* block = nullptr;
-  size_t size = 0;
-  la_int64_t offset = 0;
-  while (true) {
-    const int code = archive_read_data_block(from, &block, &size, &offset);
-    if (code == ARCHIVE_EOF) return;
-    check_archive_result(code, from, file);
-    require_room(file, static_cast<la_int64_t>(size), left);
-    left -= size;
-    check_archive_result(static_cast<int>(archive_write_data_block(to, block, size, offset)), to, file);
-  }
-}
-
 }  // namespace
 
 bool download_available() {
@@ -172,39 +139,6 @@ void download(const std::string& url, const std::filesystem::path& file, const P
   std::filesystem::rename(part_path, file);
 }
 
-void unpack(const std::filesystem::path& file, const std::filesystem::path& folder, uint64_t max_bytes) {
-  constexpr size_t kBlockBytes = 1U << 16;
-  constexpr int kFlags =
-      ARCHIVE_EXTRACT_TIME | ARCHIVE_EXTRACT_SECURE_NODOTDOT | ARCHIVE_EXTRACT_SECURE_SYMLINKS;
-  const Reader reader(require_memory(archive_read_new()), archive_read_free);
-  const Writer writer(require_memory(archive_write_disk_new()), archive_write_free);
-  archive_read_support_filter_all(reader.get());
-  archive_read_support_format_all(reader.get());
-  archive_write_disk_set_options(writer.get(), kFlags);
-  check_archive_result(archive_read_open_filename(reader.get(), file.c_str(), kBlockBytes), reader.get(),
-                       file);
-  std::filesystem::create_directories(folder);
-  const auto place = std::filesystem::canonical(folder);  // links on the way to it are the user's own
-  archive_entry* entry = nullptr;
-  while (true) {
-    const int code = archive_read_next_header(reader.get(), &entry);
-    if (code == ARCHIVE_EOF) return;
-    check_archive_result(code, reader.get(), file);
-    const std::filesystem::path name = std::filesystem::path(archive_entry_pathname(entry)).relative_path();
-    archive_entry_set_pathname(entry, (place / name).c_str());
-    const auto type = archive_entry_filetype(entry);
-    if (archive_entry_hardlink(entry) != nullptr || (type != AE_IFREG && type != AE_IFDIR)) {
-      throw InputError(fmt::format(
-          "{}: contains {}, neither a file nor a folder, which a sequence never has; not unpacked",
-          file.string(), name.string()));
-    }
-    require_room(file, archive_entry_size(entry), max_bytes);
-    check_archive_result(archive_write_header(writer.get(), entry), writer.get(), file);
-    copy_data(reader.get(), writer.get(), file, max_bytes);
-    check_archive_result(archive_write_finish_entry(writer.get()), writer.get(), file);
-  }
-}
-
 }  // namespace kinloop
 
 #else
@@ -218,10 +152,6 @@ bool download_available() {
 void download(const std::string& url, const std::filesystem::path&, const Progress&) {
   throw UsageError(fmt::format(
       "{}: this build cannot download; install libcurl4-openssl-dev and libarchive-dev and rebuild", url));
-}
-
-void unpack(const std::filesystem::path&, const std::filesystem::path&, uint64_t) {
-  require(false, "unpack: not in this build");
 }
 
 }  // namespace kinloop

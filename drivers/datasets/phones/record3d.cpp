@@ -33,8 +33,9 @@ void require_decompressed(const fs::path& file, cv::Size size) {
   if (bytes.size() == expected) return;
   if (!bytes.starts_with("bvx")) return;  // damaged, like other frames may be
   throw InputError(
-      fmt::format("{}: compressed by LZFSE, which kinloop cannot read; decompress the .depth files with "
-                  "the program lzfse (github.com/lzfse/lzfse): lzfse -decode -i IN -o OUT",
+      fmt::format("{}: compressed by LZFSE, which kinloop cannot read; export EXR and JPEG from Record3D "
+                  "instead, or decompress the .depth files with the program lzfse "
+                  "(github.com/lzfse/lzfse): lzfse -decode -i IN -o OUT",
                   file.string()));
 }
 

@@ -16,6 +16,7 @@
 #include "kinloop/sensor/camera/camera_file.hpp"
 #include "kinloop/sensor/images/depth_codec.hpp"
 #include "kinloop/sensor/images/jpeg_codec.hpp"
+#include "tests/drivers/archive_writer.hpp"
 #include "tests/drivers/bag_writers.hpp"
 #include "tests/drivers/camera_file_samples.hpp"
 #include "tests/drivers/depth_file_samples.hpp"
@@ -98,6 +99,13 @@ void add_text(const Corpus& corpus) {
   corpus.add("g2o", "offset",
              "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"
              "EDGE_SE3_PRIOR 0 0 0 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
+  using test::tar_member;
+  corpus.add("archive", "tar",
+             tar_member("room/rgb.txt", "1 a.png\n") + tar_member("room/rgb", "", '5') +
+                 tar_member("../out", "x") + test::tar_end());
+  corpus.add("archive", "tar_links",
+             tar_member("a", "x") + tar_member("hard", "", '1', "a") + tar_member("soft", "", '2', "..") +
+                 test::tar_end());
   corpus.add("trajectory", "four",
              "# stamp x y z qx qy qz qw\n1.5 0 0 0 0 0 0 1\n2.5 1 0 0 0 0 0.1 1\n3.5 1 1 0.5 0 0 0 1\n"
              "4 0 1 2 0 0.5 0 0.5\n");

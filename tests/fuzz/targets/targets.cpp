@@ -9,6 +9,7 @@ namespace kinloop::fuzz {
 namespace {
 
 constexpr auto kTargets = std::to_array<FuzzTarget>({
+    {"archive", read_archive_bytes},
     {"azure", read_azure_bytes},
     {"azure_calibration", read_azure_calibration_bytes},
     {"camera", read_camera_bytes},

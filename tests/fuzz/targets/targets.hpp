@@ -6,6 +6,7 @@
 
 namespace kinloop::fuzz {
 
+void read_archive_bytes(std::string_view bytes);
 void read_azure_bytes(std::string_view bytes);
 void read_azure_calibration_bytes(std::string_view bytes);
 void read_camera_bytes(std::string_view bytes);
