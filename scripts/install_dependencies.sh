@@ -28,6 +28,7 @@ optional=(
   "meshes: libopenvdb-dev"
   "occupancy maps: liboctomap-dev"
   "archives: libarchive-dev"
+  "WebP images: libwebp-dev"
   "downloads: libcurl4-openssl-dev libarchive-dev"
   "SURF: libdlib-dev"
   "simplified meshes: libcgal-dev"
@@ -39,7 +40,7 @@ optional=(
   "video: libavformat-dev libavcodec-dev libswscale-dev"
   "ROS node: pkg-config librosbag-storage-dev libsensor-msgs-dev libroscpp-dev libtf2-msgs-dev libnav-msgs-dev libgeometry-msgs-dev python3-roslaunch python3-rosbag"
 )
-program_parts=7  # the first ones; together with the required packages less than 200 on an empty Debian 12
+program_parts=8  # the first ones; together with the required packages less than 200 on an empty Debian 12
 
 fail_usage() {
   echo "$1" >&2

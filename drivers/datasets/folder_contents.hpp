@@ -39,8 +39,8 @@ std::string color_folder(const FolderContents& contents);
 /// Same for depth images.
 std::string depth_folder(const FolderContents& contents);
 
-/// Returns whether a file is a colour image (PNG, JPEG, PPM, PGM, BMP, TIFF; WebP, which is named in errors)
-/// by the ending of its name.
+/// Returns whether a file is a colour image (PNG, JPEG, PPM, PGM, BMP, TIFF, WebP) by the ending of its
+/// name.
 bool is_color_name(const std::filesystem::path& file);
 
 /// Same for depth images (PNG, PGM, EXR, TIFF, NumPy, OpenCV's YAML, raw numbers).

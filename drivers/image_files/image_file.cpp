@@ -17,6 +17,7 @@
 #include "drivers/image_files/png.hpp"
 #include "drivers/image_files/tiff_bytes.hpp"
 #include "drivers/image_files/tiff_file.hpp"
+#include "drivers/image_files/webp.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
 #include "kinloop/core/files/text_file.hpp"
@@ -32,11 +33,6 @@ constexpr auto kPngSignature = "\x89PNG\r\n\x1a\n"sv;
 constexpr auto kJpegSignature = "\xff\xd8\xff"sv;
 constexpr auto kCutShort = "the file is truncated; copy it again"sv;
 constexpr auto kDamaged = "the file is damaged; copy it again"sv;
-
-bool is_webp(std::string_view bytes) {
-  constexpr size_t kForm = 8;
-  return bytes.starts_with("RIFF") && bytes.substr(std::min(kForm, bytes.size()), 4) == "WEBP";
-}
 
 std::optional<cv::Size> netpbm_size(std::string_view bytes) {
   const auto header = parse_netpbm_header(bytes);
@@ -70,6 +66,7 @@ constexpr std::array kOtherFormats = {
     OtherFormat{is_netpbm, netpbm_size, decode_netpbm},
     OtherFormat{is_bmp, bmp_size, decode_bmp},
     OtherFormat{is_any_tiff, tiff_size_or_nothing, tiff_or_nothing},
+    OtherFormat{is_webp, webp_size, decode_webp},
 };
 
 const OtherFormat* other_format(std::string_view bytes) {
@@ -164,7 +161,10 @@ std::string_view image_damage(std::string_view bytes) {
     constexpr int kCmyk = 4;
     return jpeg_components(bytes) == kCmyk ? "a CMYK image; convert it to RGB" : jpeg_damage(bytes);
   }
-  if (is_webp(bytes)) return "a WebP image, which kinloop cannot read; convert it to PNG or JPEG";
+  if (is_webp(bytes) && !webp_available())
+    return "a WebP image, which this build cannot read; convert it to PNG or JPEG, or install libwebp-dev "
+           "and "
+           "build again";
   return other_format(bytes) == nullptr ? kNoImage : std::string_view();
 }
 

@@ -98,7 +98,7 @@ if(KINLOOP_BENCH)
   find_package(benchmark QUIET)
 endif()
 
-set(optional_parts g2o dlib rosbag ros freenect freenect2 openni2 realsense2 orbbec depthai video aruco mpi archives download openvdb octomap cgal python)
+set(optional_parts g2o dlib rosbag ros freenect freenect2 openni2 realsense2 orbbec depthai video aruco mpi archives webp download openvdb octomap cgal python)
 if(KINLOOP_MINIMAL)
   foreach(part ${optional_parts})
     set(${part}_FOUND 0)

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "drivers/image_files/webp.hpp"
 #include "kinloop/core/files/text_file.hpp"
 #include "tests/drivers/mutation.hpp"
 #include "tests/drivers/sequence_folder.hpp"
@@ -211,9 +212,27 @@ TEST(ImageDamage, OtherFilesAreNoImages) {
   const TempFolder folder;
   EXPECT_THAT(image_damage("hello"), HasSubstr("neither"));
   EXPECT_THAT(image_damage(""), HasSubstr("empty"));
-  EXPECT_THAT(image_damage(encoded(make_color(1), ".webp")), HasSubstr("a WebP image"));
   EXPECT_THAT(input_error([&] { read_color_image(folder.path() / "none.png"); }), HasSubstr("no such file"));
   EXPECT_THAT(input_error([&] { read_color_image(folder.path()); }), HasSubstr("not a regular file"));
+}
+
+TEST(ImageFile, WebpIsReadWhereTheLibraryIs) {
+  const TempFolder folder;
+  const cv::Mat color = make_color(1);
+  std::vector<uint8_t> lossless;
+  cv::imencode(".webp", color, lossless, {cv::IMWRITE_WEBP_QUALITY, 101});
+  const std::string bytes(lossless.begin(), lossless.end());
+  const auto path = folder.write("a.webp", bytes);
+  if (!webp_available()) {
+    EXPECT_THAT(input_error([&] { read_color_image(path); }), HasSubstr("a WebP image"));
+    GTEST_SKIP() << "this build does not decode WebP";
+  }
+  EXPECT_EQ(encoded_size(bytes), color.size());
+  EXPECT_EQ(cv::norm(read_color_image(path).bgr(), color, cv::NORM_INF), 0);
+  for (size_t i = 0; i < bytes.size(); i += 7) {
+    const auto cut = folder.write("cut.webp", std::string_view(bytes).substr(0, i));
+    EXPECT_THAT(input_error([&] { read_color_image(cut); }), HasSubstr("cut.webp: ")) << i;
+  }
 }
 
 TEST(ImageDamage, HeaderWithAbsurdSizeIsAnError) {

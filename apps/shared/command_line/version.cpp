@@ -10,6 +10,7 @@
 #include "dense/occupancy.hpp"
 #include "drivers/archives/unpack_archive.hpp"
 #include "drivers/datasets/reading/images/video_reader.hpp"
+#include "drivers/image_files/webp.hpp"
 #include "drivers/kinect1/kinect1_source.hpp"
 #include "drivers/kinect2/kinect2_source.hpp"
 #include "drivers/oak/oak_source.hpp"
@@ -60,6 +61,7 @@ std::string version_text() {
       {"Python", KINLOOP_PYTHON_FOUND != 0, "import kinloop",
        "scripts/install_dependencies.sh --program --with Python, configure with -DKINLOOP_PYTHON=ON"},
       {"video", video_available(), "recordings of Stray Scanner and the Azure Kinect"},
+      {"WebP images", webp_available(), "WebP as colour"},
       {"archives", archives_available(), ".zip, .r3d and .tar as input"},
       {"downloads", download_available(), "kinloop fetch"},
       {"distributed training", mpi_available(), "kinloop vocab on several machines, by MPI"},
