@@ -10,6 +10,7 @@
 #include "apps/shared/command_line/common_options.hpp"
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/files/byte_reader.hpp"
+#include "kinloop/core/log.hpp"
 #include "kinloop/core/quantile.hpp"
 #include "kinloop/core/threads/parallel_for.hpp"
 #include "kinloop/core/time.hpp"
@@ -46,14 +47,18 @@ struct Library {
   }
 };
 
-/// Loads the maps as components of one.
+/// Loads the maps as components of one, but for those of another camera, which are named. Throws InputError
+/// if none is left.
 Library open_library(const LocateArguments& arguments, const RgbdCamera& camera) {
   Library library;
   for (const auto& given : arguments.maps) {
     const std::filesystem::path file = map_file_of(given);
     const MapReader reader(file);
     SavedMap saved = read_map_with_warnings(reader, file);
-    require_same_camera(saved, file, camera);
+    if (const std::string other = other_camera(saved, file, camera); !other.empty()) {
+      log::warn("{}; it is skipped, specify its camera with --camera if it is that of the sequence", other);
+      continue;
+    }
     if (!library.slam) {
       RunOptions options = restore_options(saved, file);
       options.slam.localize_only = true;
@@ -64,6 +69,8 @@ Library open_library(const LocateArguments& arguments, const RgbdCamera& camera)
     library.slam->add_map(std::move(saved));
     library.maps.push_back({file, KeyframeId{static_cast<uint32_t>(library.slam->map().keyframes().size())}});
   }
+  if (!library.slam)
+    throw InputError(fmt::format("{}: no map is of this camera; see the warnings", arguments.sequence));
   return library;
 }
 

@@ -148,12 +148,16 @@ RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& p
   return restored;
 }
 
-void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera) {
-  if (saved.camera.color == camera.color) return;
+std::string other_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera) {
   const PinholeCamera& lens = saved.camera.color;
-  throw InputError(fmt::format(
-      "{}: was recorded with another camera ({}x{}, fx {}, fy {}, cx {}, cy {}); specify it with --camera",
-      path.string(), lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy));
+  if (lens == camera.color) return {};
+  return fmt::format("{}: was recorded with another camera ({}x{}, fx {}, fy {}, cx {}, cy {})",
+                     path.string(), lens.width, lens.height, lens.fx, lens.fy, lens.cx, lens.cy);
+}
+
+void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera) {
+  const std::string other = other_camera(saved, path, camera);
+  if (!other.empty()) throw InputError(other + "; specify it with --camera");
 }
 
 std::optional<ContinuedMap> open_continued_map(const std::filesystem::path& file_or_folder) {

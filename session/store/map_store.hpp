@@ -71,6 +71,9 @@ void restore_surfaces(SavedMap& saved, const MapReader& reader);
 RunOptions restore_options(const SavedMap& saved, const std::filesystem::path& path,
                            const std::string& prefix = {});
 
+/// Returns a sentence that says with which camera the map in `path` was recorded; empty if it is `camera`.
+std::string other_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera);
+
 /// Throws InputError unless `camera` is the camera of the map in `path`.
 void require_same_camera(const SavedMap& saved, const std::filesystem::path& path, const RgbdCamera& camera);
 

@@ -476,6 +476,16 @@ TEST_F(MapCommand, LocatesASequenceAmongSeveralMaps) {
   ASSERT_EQ(run("map locate -q " + at("here") + " " + at("another_map")), 0) << err_;
   EXPECT_EQ(err_, "");
   EXPECT_THAT(out_, Not(HasSubstr("kinmap"))) << "in no map that is given";
+  // Of maps of several cameras those of this one are used.
+  ASSERT_EQ(run("run -q sim:room --set sim.width=200 --set sim.height=150 --set sim.frames=20 -o " +
+                at("other_camera")),
+            0)
+      << err_;
+  ASSERT_EQ(run("map locate " + at("here") + " " + at("other_camera") + " " + at("here_map")), 0) << err_;
+  EXPECT_THAT(err_, AllOf(HasSubstr("other_camera/map.kinmap: was recorded with another camera (200x150, "),
+                          HasSubstr("it is skipped"), HasSubstr("located in 1 map(s)")));
+  EXPECT_EQ(run("map locate " + at("here") + " " + at("other_camera")), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("here: no map is of this camera"));
   EXPECT_EQ(run("map locate " + at("here")), kWrongUse);
   EXPECT_EQ(run("map locate " + at("here") + " " + at("absent.kinmap")), kBadInput);
 }
