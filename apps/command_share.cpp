@@ -29,6 +29,16 @@ struct ShareArguments {
   double max_size_mb = 20;
 };
 
+/// "1000 of 2000 points, 300 triangles, 4 images": what the page holds, but no cloud where only a mesh was
+/// read.
+std::string contents_text(const SharedPage& page, size_t all_points) {
+  std::string text;
+  if (all_points > 0 || page.triangles == 0)
+    text += fmt::format("{} of {} points, ", page.points, all_points);
+  if (page.triangles > 0) text += fmt::format("{} triangles, ", page.triangles);
+  return text + fmt::format("{} images", page.images);
+}
+
 void share(const ShareArguments& arguments) {
   CommandFiles files{.inputs = {arguments.path / "mesh.ply", arguments.path / "mesh.glb"},
                      .outputs = {{"-o", arguments.output}}};
@@ -47,8 +57,8 @@ void share(const ShareArguments& arguments) {
   write_file(arguments.output, page.html);
   if (arguments.quiet) return;
   print_text(
-      fmt::format("{}: {:.1f} MB, {} of {} points, {} images\n", arguments.output.string(),
-                  static_cast<double>(page.html.size()) / kBytesPerMb, page.points, all_points, page.images),
+      fmt::format("{}: {:.1f} MB, {}\n", arguments.output.string(),
+                  static_cast<double>(page.html.size()) / kBytesPerMb, contents_text(page, all_points)),
       message_stream(arguments.output));
 }
 

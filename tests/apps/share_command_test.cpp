@@ -46,8 +46,8 @@ TEST_F(ShareCommandTest, SharesTheFolderOfARunWithItsMeshOnRequest) {
       "out/mesh.ply",
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 1\n1 0 1\n1 1 1\n3 0 1 2\n");
-  EXPECT_THAT(share("out", "--mesh").out, HasSubstr("0 of 0 points")) << "in place of the cloud";
-  EXPECT_THAT(share("out", "--mesh --points 1").out, HasSubstr("1 of 2 points"));
+  EXPECT_THAT(share("out", "--mesh").out, HasSubstr(" MB, 1 triangles, 0 images")) << "in place of the cloud";
+  EXPECT_THAT(share("out", "--mesh --points 1").out, HasSubstr("1 of 2 points, 1 triangles, "));
 }
 
 TEST_F(ShareCommandTest, NamesNoCommandForAFileWithoutAMesh) {

@@ -44,6 +44,21 @@ class GlbValidator {
     if (drawn == 0) fail("holds no mesh");
   }
 
+  /// Of a file that was checked.
+  [[nodiscard]] size_t triangles() const {
+    constexpr size_t kTriangles = 4;  // the mode, which others such as strips are seldom written with
+    size_t corners = 0;
+    for (const json& mesh : list("meshes")) {
+      for (const json& primitive : mesh.at("primitives")) {
+        if (natural(primitive, "mode", kTriangles) != kTriangles) continue;
+        const json& corner =
+            primitive.contains("indices") ? primitive["indices"] : primitive["attributes"]["POSITION"];
+        corners += natural(list("accessors").at(natural(corner)).at("count"));
+      }
+    }
+    return corners / 3;
+  }
+
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(fmt::format("{}: {}", path_.string(), ascii_excerpt(what)));
   }
@@ -185,6 +200,10 @@ std::string read_glb(const std::filesystem::path& path) {
     file.fail("its JSON part is not glTF");
   }
   return bytes;
+}
+
+size_t count_glb_triangles(std::string_view bytes) {
+  return GlbValidator(bytes, "").triangles();
 }
 
 }  // namespace kinloop

@@ -28,4 +28,7 @@ PointFile read_any_pcd(const std::filesystem::path& path);
 /// or needs features that the page lacks (other files, compressed meshes).
 std::string read_glb(const std::filesystem::path& path);
 
+/// Returns how many triangles are drawn of a file that read_glb has returned.
+size_t count_glb_triangles(std::string_view bytes);
+
 }  // namespace kinloop

@@ -8,6 +8,7 @@
 #include "kinloop/core/errors.hpp"
 #include "kinloop/core/text/base64.hpp"
 #include "viewer/gzip.hpp"
+#include "viewer/point_files/point_file.hpp"
 #include "viewer/scene/incremental_cloud.hpp"
 #include "viewer/server/viewer_page.hpp"
 
@@ -102,6 +103,7 @@ SharedPage make_shared_page(SavedRun run, std::vector<KeyframeImage> images, con
   constexpr size_t kShareOfImages = 4;    // a quarter of what cloud and images may take
   constexpr size_t kLeastPointBytes = 4;  // a point takes more, so that more points do not fit
   constexpr double kMargin = 0.98;        // the size is almost linear in the number of points
+  const size_t triangles = run.model.empty() ? run.mesh.triangles.size() : count_glb_triangles(run.model);
   const ColoredCloud cloud = shuffled(run.cloud);
   run.cloud = {};
   run.map_file.clear();  // a path on this machine, of no use to others
@@ -118,7 +120,7 @@ SharedPage make_shared_page(SavedRun run, std::vector<KeyframeImage> images, con
   size_t points = std::min({cloud.size(), limits.points, limits.bytes / kLeastPointBytes});
   while (true) {
     run.cloud = first_points(cloud, points);
-    SharedPage page{page_of(run, images), points, images.size()};
+    SharedPage page{page_of(run, images), points, images.size(), triangles};
     if (page.html.size() <= limits.bytes) return page;
     const double share = static_cast<double>(limits.bytes - bytes_without_points) /
                          static_cast<double>(page.html.size() - bytes_without_points);

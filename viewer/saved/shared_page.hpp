@@ -26,6 +26,7 @@ constexpr KeyframeImageOptions kSharedImages{.most = 200, .width_px = 320, .qual
 struct SharedPage {
   std::string html;
   size_t points = 0, images = 0;  ///< in the page
+  size_t triangles = 0;           ///< of the mesh in the page
 };
 
 /// Returns a limit in bytes. Throws UsageError naming `option` if it is out of the range above or NaN.
