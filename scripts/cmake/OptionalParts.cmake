@@ -128,7 +128,7 @@ if(MPI_CXX_FOUND)
   set_property(GLOBAL APPEND PROPERTY KINLOOP_OPTIONAL_PARTS kinloop_mpi)
 endif()
 
-kinloop_optional(webp webp/decode.h webp) # colour images
+kinloop_optional(webp webp/decode.h webp)  # colour images
 kinloop_optional(archives archive.h archive)  # .zip, .tar and the like as input
 
 # Downloads: curl fetches, archive unpacks.
