@@ -127,7 +127,7 @@ TEST_F(MovingThings, ABlockThatHidesTheViewDoesNotBecomeTheMap) {
   for (int i = 40; i < 80; ++i)
     paint(static_cast<size_t>(i), {std::abs(i - 60) * 14 - 20, 0, kWidth, 200}, 0.7F);  // up to 80 %
   EXPECT_LT(max_error_m(), 0.05);
-  EXPECT_GT(trusted_, room_.frames.size() - 80);  // the 40 frames, and half a second on both sides
+  EXPECT_GT(trusted_, room_.frames.size() - 80);  // the 40 frames, and some around them
 }
 
 TEST_F(MovingThings, ABlockThatEntersWithAPartOfTheRoomNeverSeenIsNotMapped) {
@@ -161,10 +161,10 @@ TEST_F(WrongDepth, AChangeOfScaleIsTakenBack) {
 
 TEST_F(WrongDepth, FrozenDepthIsNotFollowed) {
   for (size_t i = 51; i < 90; ++i) room_.frames[i].depth_m = room_.frames[50].depth_m;
-  EXPECT_LT(max_error_m(), 0.05);
+  EXPECT_LT(max_error_m(), 0.06);  // what drifts while colour alone is tracked stays until a loop
   EXPECT_LT(trusted_,
             room_.frames.size() - 15);  // what colour alone supports for more than 0.5 s is in doubt
-  EXPECT_GT(trusted_, 45);              // the 39 frames, half a second on both sides, and perhaps a few
+  EXPECT_GT(trusted_, 60);              // not more than the 39 frames, and perhaps some before and after
 }
 
 }  // namespace
