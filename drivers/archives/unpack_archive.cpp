@@ -74,8 +74,9 @@ Reader open_reader(const fs::path& file) {
   if (!fs::is_regular_file(file)) throw InputError(fmt::format("{}: not a regular file", file.string()));
   if (archive_read_open_filename(a, file.c_str(), kBlockBytes) != ARCHIVE_OK) {
     const char* reason = archive_error_string(a);
-    throw InputError(fmt::format("{}: no archive that can be read ({}); copy or download it again",
-                                 file.string(), reason != nullptr ? reason : "unknown content"));
+    throw InputError(
+        fmt::format("{}: no archive that can be read ({}); delete it and copy or download it again",
+                    file.string(), reason != nullptr ? reason : "unknown content"));
   }
   return reader;
 }
@@ -196,7 +197,8 @@ class Unpacking {
 
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError(fmt::format(
-        "{}: {}; copy or download the archive again, or unpack it and give the folder", where(), what));
+        "{}: {}; delete the archive and copy or download it again, or unpack it and give the folder", where(),
+        what));
   }
 
   fs::path file_, folder_;
