@@ -84,8 +84,8 @@ std::vector<fs::path> download_archives(const FetchPlan& plan, const FetchArgume
 }
 
 fs::path unpack_beside(const std::vector<fs::path>& archives, const fs::path& target) {
-  constexpr uint64_t kMaxBytes = uint64_t{64}
-                                 << 30;  // scenes of OpenLORIS, the largest known, have some 30 GB
+  // Scenes of OpenLORIS, the largest known, have some 30 GB.
+  constexpr uint64_t kMaxBytes = uint64_t{64} << 30;
   fs::path beside = target.string() + ".part";
   for (const fs::path& archive : archives) {
     if (archive.extension() == ".sens") {  // the recording itself

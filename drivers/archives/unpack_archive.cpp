@@ -61,6 +61,11 @@ class Utf8Thread {
   locale_t before_;
 };
 
+std::string reason_of(archive* a) {
+  const char* reason = archive_error_string(a);
+  return reason != nullptr ? escaped(reason) : "no reason given";
+}
+
 /// Only formats and filters that libarchive has built in: for others it starts programs.
 Reader open_reader(const fs::path& file) {
   constexpr size_t kBlockBytes = 1U << 16;
@@ -72,12 +77,10 @@ Reader open_reader(const fs::path& file) {
         archive_read_support_filter_zstd})
     support(a);
   if (!fs::is_regular_file(file)) throw InputError(fmt::format("{}: not a regular file", file.string()));
-  if (archive_read_open_filename(a, file.c_str(), kBlockBytes) != ARCHIVE_OK) {
-    const char* reason = archive_error_string(a);
+  if (archive_read_open_filename(a, file.c_str(), kBlockBytes) != ARCHIVE_OK)
     throw InputError(
         fmt::format("{}: no archive that can be read ({}); delete it and copy or download it again",
-                    file.string(), reason != nullptr ? reason : "unknown content"));
-  }
+                    file.string(), reason_of(a)));
   return reader;
 }
 
@@ -183,11 +186,6 @@ class Unpacking {
     throw OutputError(
         fmt::format("{}: cannot be written ({}); free some space, or unpack it elsewhere and give the folder",
                     where(), reason_of(writer_.get())));
-  }
-
-  static std::string reason_of(archive* a) {
-    const char* reason = archive_error_string(a);
-    return reason != nullptr ? escaped(reason) : "no reason given";
   }
 
   [[nodiscard]] std::string where() const {

@@ -51,30 +51,36 @@ bool is_outside(const fs::path& name) {
       list_text(folder, below));
 }
 
+/// The folders in another one that may be sequences or hold some, by their paths below `top`.
+std::vector<fs::path> folders_in(const fs::path& top, const fs::path& above) {
+  std::vector<fs::path> found;
+  const FolderContents contents(top / above);
+  for (const std::string& name : contents.folders()) {
+    if (!name.starts_with('.')) found.push_back(above / name);
+  }
+  return found;
+}
+
 }  // namespace
 
 SequencesBelow sequences_below(const fs::path& folder) {
   constexpr size_t kMaxDepth = 4, kMaxFolders = 1000;
   SequencesBelow found;
-  std::vector<fs::path> level = {{}};
+  std::vector<fs::path> level = folders_in(folder, {});
   size_t looked_at = 0;
-  for (size_t depth = 0; depth < kMaxDepth && !level.empty(); ++depth) {
+  for (size_t depth = 1; !level.empty(); ++depth) {
     std::vector<fs::path> next;
-    for (const fs::path& above : level) {
-      const FolderContents contents(folder / above);
-      for (const std::string& name : contents.folders()) {
-        if (name.starts_with('.')) continue;
-        if (++looked_at > kMaxFolders) {
-          found.complete = false;
-          break;
-        }
-        const fs::path below = above / name;
-        if (is_run_folder(FolderContents(folder / below))) continue;
-        if (recognise_layout(folder / below) != nullptr) {
-          found.names.push_back(below.string());
-        } else {
-          next.push_back(below);
-        }
+    for (const fs::path& below : level) {
+      if (++looked_at > kMaxFolders) {
+        found.complete = false;
+        break;
+      }
+      if (is_run_folder(FolderContents(folder / below))) continue;
+      if (recognise_layout(folder / below) != nullptr) {
+        found.names.push_back(below.string());
+      } else if (depth < kMaxDepth) {
+        const auto inside = folders_in(folder, below);
+        next.insert(next.end(), inside.begin(), inside.end());
       }
     }
     level = std::move(next);

@@ -15,8 +15,8 @@ namespace kinloop {
 /// Sequences in the folders below one, relative to it and in order of name.
 struct SequencesBelow {
   std::vector<std::string> names;
-  bool complete =
-      true;  ///< false: there are more folders than are looked at, and there may be more sequences
+  /// False: there are more folders than are looked at, and there may be more sequences.
+  bool complete = true;
 };
 
 /// Returns the sequences up to four folders down: neither those within another, nor what a run has written.

@@ -162,9 +162,8 @@ std::string_view image_damage(std::string_view bytes) {
     return jpeg_components(bytes) == kCmyk ? "a CMYK image; convert it to RGB" : jpeg_damage(bytes);
   }
   if (is_webp(bytes) && !webp_available())
-    return "a WebP image, which this build cannot read; convert it to PNG or JPEG, or install libwebp-dev "
-           "and "
-           "build again";
+    return "a WebP image, which this build cannot read; convert it to PNG or JPEG, or install "
+           "libwebp-dev and build again";
   return other_format(bytes) == nullptr ? kNoImage : std::string_view();
 }
 

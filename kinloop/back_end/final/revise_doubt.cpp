@@ -8,6 +8,7 @@
 #include "kinloop/belief/hand_motion.hpp"
 #include "kinloop/belief/relative_covariance.hpp"
 #include "kinloop/core/time.hpp"
+#include "kinloop/geometry/velocity.hpp"
 
 namespace kinloop {
 namespace {
@@ -17,11 +18,11 @@ bool jumps(const LoggedFrame& before, const LoggedFrame& previous, const LoggedF
   const double baseline_s = to_seconds(previous.stamp_ns - before.stamp_ns);
   const double interval_s = to_seconds(entry.stamp_ns - previous.stamp_ns);
   if (!(baseline_s > 0)) return false;
-  const SE3 T_before_previous = before.world(map).inverse() * previous.world(map);
-  const SE3 T_previous_expected = SE3::exp(interval_s / baseline_s * T_before_previous.log());
-  return !is_explained(
-      {previous.world(map) * T_previous_expected, hand_motion_covariance(interval_s, baseline_s)},
-      entry.world(map));
+  const SE3 T_world_previous = previous.world(map);
+  const Velocity velocity = velocity_between(before.world(map), T_world_previous, baseline_s);
+  return !is_explained({propagate_pose(T_world_previous, velocity, interval_s),
+                        hand_motion_covariance(interval_s, baseline_s)},
+                       entry.world(map));
 }
 
 /// One of two poses that jump is wrong, and perhaps both are.

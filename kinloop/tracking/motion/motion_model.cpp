@@ -105,7 +105,7 @@ MotionModel::MotionCovariance MotionModel::predicted_covariance(double duration_
   MotionCovariance covariance = transition * covariance_ * transition.transpose();
   const Vector6d walk = hand_acceleration_noise();
   covariance.diagonal().head<6>() +=
-      std::pow(duration_s, 3) / 3 * walk + per_axis(kMapNoise_m, kMapNoise_rad).cwiseAbs2();
+      hand_motion_covariance(duration_s, 0).diagonal() + per_axis(kMapNoise_m, kMapNoise_rad).cwiseAbs2();
   covariance.topRightCorner<6, 6>().diagonal() += duration_s * duration_s / 2 * walk;
   covariance.bottomLeftCorner<6, 6>().diagonal() += duration_s * duration_s / 2 * walk;
   covariance.diagonal().tail<6>() += duration_s * walk;
